@@ -27,9 +27,11 @@ def test_a_value_may_be_an_expression_and_nothing_else():
             after(MOLE, {"do": "value", "name": "phi", "value": text})
 
 
-def test_a_value_outside_the_diagram_widens_it():
-    view = after(MOLE, {"do": "value", "name": "b", "value": "0.4"})
-    assert view.between == (0.02, 0.4)
+@pytest.mark.parametrize("value", ["0.4", "-1", "1e300"])
+def test_a_value_outside_the_diagram_leaves_its_range(value):
+    view = after(MOLE, {"do": "value", "name": "b", "value": value})
+    assert view.between == MOLE.between
+    assert view.system.parameter_values["b"] == float(value)
 
 
 def test_a_click_in_the_diagram_runs_there_with_the_digits_of_a_picture():
@@ -54,6 +56,10 @@ def test_a_box_becomes_the_range_whichever_way_it_was_drawn():
     box = {"do": "box", "x0": 0.14, "x1": 0.10, "y0": 5.0, "y1": 2.0}
     view = after(MOLE, box | {"pane": "diagram"})
     assert (view.between, view.height) == ((0.10, 0.14), (2.0, 5.0))
+    # a frame has at most some thousand pixels: digits beyond those say nothing
+    rough = {"x0": 0.10000000123, "x1": 0.13000001066116265, "y0": 2.0000001, "y1": 5.0}
+    view = after(MOLE, {"do": "box", "pane": "diagram"} | rough)
+    assert (view.between, view.height) == ((0.1, 0.13), (2.0, 5.0))
     view = after(MOLE, box | {"pane": "plane"})
     assert view.region == (0.10, 0.14, 2.0, 5.0)
     with pytest.raises(OptionError, match="too small"):
@@ -84,6 +90,32 @@ def test_a_start_at_rest_is_no_start():
 def test_lists_and_links():
     assert after(WALL, {"do": "preset", "number": 3}) == presets()[3].view
     assert after(WALL, {"do": "link", "link": "#" + to_link(MOLE)}) == MOLE
+
+
+def test_a_section_is_one_of_the_system():
+    for section in ("impact", "v - 0.1"):
+        assert after(WALL, {"do": "set", "fields": {"section": section}}).section == section
+    with pytest.raises(OptionError, match="nothing"):
+        after(WALL, {"do": "set", "fields": {"section": "nothing"}})
+
+
+def test_a_typed_system_drops_the_section_that_it_has_no_more():
+    view = after(WALL, {"do": "set", "fields": {"section": "impact"}})
+    text = WALL.system.to_toml().replace('name = "impact"', 'name = "blow"')
+    assert text != WALL.system.to_toml()
+    assert after(view, {"do": "text", "text": text}).section == ""
+
+
+def test_an_empty_editor_is_no_system():
+    for text in ("", " \n "):
+        with pytest.raises(OptionError, match="there is no system"):
+            after(WALL, {"do": "text", "text": text})
+
+
+def test_a_system_without_forcing_shows_another_variable_than_that_of_its_section():
+    text = 'states = ["x", "v"]\n[parameters]\nc = 0.1\n[equations]\nx = "v"\nv = "-x - c*v"\n'
+    view = opening(text=text)
+    assert view.section == "v" and view.shown == "x"
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ MOLE = opening("moling")
 LONG = replace(
     opening("rotor"), picture="basins", plane=("x", "y"), region=(-1.0, 1.0, -1.0, 1.0), cells=100
 )
+ALL = {"every": True}  # coarse ones first would end where they take long
 
 
 @pytest.fixture(scope="module")
@@ -65,8 +66,8 @@ def test_a_task_that_fails_says_why_and_the_next_one_runs(crew):
 
 def test_a_job_that_waits_is_cancelled_without_a_word(crew):
     ear = Ear()
-    long = crew.submit(Job("plane", LONG, ear))
-    waiting = crew.submit(Job("plane", LONG, ear))
+    long = crew.submit(Job("plane", LONG, ear, options=ALL))
+    waiting = crew.submit(Job("plane", LONG, ear, options=ALL))
     after = crew.submit(Job("drawing", MOLE, ear))
     crew.cancel(waiting)
     crew.cancel(long)
@@ -81,7 +82,7 @@ def test_a_cancelled_job_gives_its_place_to_the_next_one_soon(crew):
     crew.submit(Job("drawing", MOLE, ear))  # the worker is there
     ear.next()
     ear.next()
-    long = crew.submit(Job("plane", LONG, ear))
+    long = crew.submit(Job("plane", LONG, ear, options=ALL))
     time.sleep(1.0)
     began = time.monotonic()
     crew.cancel(long)
@@ -92,7 +93,7 @@ def test_a_cancelled_job_gives_its_place_to_the_next_one_soon(crew):
 
 def test_a_limit_stops_a_job_and_is_told(crew):
     ear = Ear()
-    job = crew.submit(Job("plane", LONG, ear, seconds=0.5))
+    job = crew.submit(Job("plane", LONG, ear, seconds=0.5, options=ALL))
     *_, (event, told, seconds) = ear.rest(job)
     assert (event, told, seconds) == ("limit", job, 0.5)
     assert ear.rest(crew.submit(Job("drawing", MOLE, ear)))[-1][0] == "done"
@@ -100,7 +101,7 @@ def test_a_limit_stops_a_job_and_is_told(crew):
 
 def test_a_worker_that_ends_is_replaced(crew):
     ear = Ear()
-    job = crew.submit(Job("plane", LONG, ear))
+    job = crew.submit(Job("plane", LONG, ear, options=ALL))
     (worker,) = crew.benches[False].workers
     worker.process.kill()
     ((event, _, message),) = ear.rest(job)

@@ -2,6 +2,7 @@
 
 import math
 import re
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +27,30 @@ c = "damping [N s/m]"
 [equations]
 x = "v"
 v = "sin(w*t) - c*v - x"
+"""
+
+
+ZENO = """name = "zeno"
+states = ["x", "v"]
+period = "1"
+
+[parameters]
+r = 0.5
+
+[modes.fly.flow]
+x = "v"
+v = "-1"
+
+[[modes.fly.exits]]
+guard = "x"
+reset = {v = "-r*v"}
+"""
+RIGID = """states = ["x", "v"]
+period = "2*pi"
+
+[equations]
+x = "v"
+v = "sin(t) - v - x"
 """
 
 
@@ -73,6 +98,49 @@ def test_a_wrong_equation_has_its_message_under_the_fault(screen, wall):
         "motion", lambda: typed(screen, SPRING) or screen.page.keyboard.press("Control+Enter")
     )
     assert not alert.is_visible()
+
+
+def test_another_system_leaves_nothing_of_the_one_before(screen, wall):
+    """At rest on the ground, rebounds accumulate at once: there is one point of a motion."""
+    screen.open(wall)
+    typed(screen, ZENO)
+    screen.after("motion", lambda: screen.page.keyboard.press("Control+Enter"))
+    screen.page.wait_for_function("explorer.work.size === 0")
+    assert "event_limit" in screen.page.locator("#motion-note").inner_text()
+    assert "ended early" in screen.page.locator("#motion-said").inner_text()
+    assert "ended early" in screen.page.locator("#diagram-note").inner_text()
+    points = "it.renderers.map((each) => each.data_source.data.x?.length ?? 0)"
+    assert not any(screen.model("diagram", points))
+    typed(screen, RIGID)
+    screen.after("motion", lambda: screen.page.keyboard.press("Control+Enter"))
+    screen.page.wait_for_function("explorer.work.size === 0")
+    assert "no parameter" in screen.page.locator("#diagram-note").inner_text()
+    assert not screen.page.locator(".plot.stale").count()
+
+
+def test_an_empty_editor_is_told_and_a_toast_goes_with_its_cause(screen, wall):
+    screen.open(wall)
+    field = screen.page.get_by_label("value of r", exact=True)
+    field.fill("1.5")
+    field.press("Enter")
+    toast = screen.page.locator("#toast")
+    toast.wait_for()
+    field.fill("0.7")
+    field.press("Enter")
+    toast.wait_for(state="hidden", timeout=4_000)  # before its own time is over
+    typed(screen, "")
+    screen.page.keyboard.press("Control+Enter")
+    screen.page.locator("#fault").wait_for()
+    assert "there is no system" in screen.page.locator("#fault").inner_text()
+    screen.settle()
+
+
+def test_the_bare_address_is_answered(screen):
+    screen.page.goto(screen.address)
+    screen.page.wait_for_function("window.explorer?.gestures.heard === 1")
+    header = screen.page.locator("header")
+    assert header.bounding_box()["height"] < 40  # one row, though work is told there
+    screen.page.keyboard.press("Escape")
 
 
 def test_a_slider_moves_the_motion_and_its_number(screen, wall):
@@ -231,8 +299,9 @@ def test_events_one_by_one_say_what_fires_and_why(screen, wall):
     screen.page.get_by_role("button", name="Next event").click()
     screen.page.get_by_role("button", name="Next event").click()
     said = text.inner_text()
-    assert re.search(r"impact at t = [\d.]+ \(\d+ of \d+\): sigma - x falls through 0", said)
-    assert re.search(r"v: [\d.]+ → -[\d.]+; certified", said)
+    words = r"impact at t = [\d.]+ \(\d+ of \d+; certified\): sigma - x falls through 0"
+    assert re.search(words, said)
+    assert text.get_attribute("title") == said
     before, after = (float(each) for each in re.search(r"v: ([\d.]+) → (-[\d.]+)", said).groups())
     assert after == pytest.approx(-0.8 * before, rel=1e-3)  # r = 0.8, to the four digits shown
     screen.page.locator("body").press("[")
@@ -247,6 +316,8 @@ def test_the_whole_page_works_from_the_keyboard(screen, wall, width):
     reached = set()
     for _ in range(90):
         page.keyboard.press("Tab")
+        stop = page.evaluate("document.activeElement.className")
+        assert "bk-" not in stop  # a figure has no outline: its pane is the stop
         reached.add(
             page.evaluate(
                 "document.activeElement.dataset.pane || document.activeElement.id"
@@ -305,6 +376,14 @@ def test_a_picture_for_print(screen, wall):
     assert download.value.suggested_filename == "portrait.pdf"
     with open(download.value.path(), "rb") as file:
         assert file.read(5) == b"%PDF-"
+    names = []
+    screen.page.on("download", lambda found: names.append(found.suggested_filename))
+    for suffix in (".pdf", ".png"):  # the second one while the first one is under way
+        screen.page.get_by_label("print the plane").select_option(suffix)
+    deadline = time.monotonic() + 90.0
+    while len(names) < 2 and time.monotonic() < deadline:
+        screen.page.wait_for_timeout(100)
+    assert sorted(names) == ["plane.pdf", "plane.png"]
 
 
 def test_a_machine_of_the_list(screen, wall):

@@ -1,5 +1,6 @@
 """The server: on the loopback, for its own pages, with files of its own and no other."""
 
+import logging
 import re
 import socket
 import urllib.error
@@ -77,6 +78,10 @@ def test_other_machines_do_not_reach_it(page):
         other.bind(("127.0.0.2", port_of(page)))  # it would be taken, were all addresses
 
 
+def test_a_page_that_is_closed_while_it_is_told_something_is_no_news(page):
+    assert not logging.getLogger("bokeh.server.views.ws").isEnabledFor(logging.WARNING)
+
+
 def test_a_port_that_is_taken_is_told(page):
     with pytest.raises(RunError, match="cannot be served"):
         ns.explore(port=port_of(page), browser=False)
@@ -87,7 +92,9 @@ def test_a_notebook_shows_the_page(page):
     assert "stop()" in repr(page)
 
 
-@pytest.mark.parametrize("origin", ["*", "*:5006", "http://host:1", "a b", "host:port", ""])
+@pytest.mark.parametrize(
+    "origin", ["*", "*:5006", "http://host:1", "a b", "host:port", "", "host", "[::1]"]
+)
 def test_an_origin_is_a_host_and_no_pattern(origin):
     with pytest.raises(OptionError, match="allow_origin"):
         check_origins([origin])

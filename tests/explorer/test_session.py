@@ -8,8 +8,44 @@ import pytest
 from nonsmooth.explorer.links import from_link
 from nonsmooth.explorer.openings import opening
 from nonsmooth.explorer.session import Session
+from nonsmooth.explorer.tasks import TASKS
 
 MOLE = opening("moling")
+
+
+CELLS = {"others": {}, "message": "completed", "seconds": 1.0, "waits": False}  # of basins
+ZENO = """name = "zeno"
+states = ["x", "v"]
+period = "1"
+
+[parameters]
+r = 0.5
+
+[modes.fly.flow]
+x = "v"
+v = "-1"
+
+[[modes.fly.exits]]
+guard = "x"
+reset = {v = "-r*v"}
+name = "hit"
+"""
+RIGID = """states = ["x", "v"]
+period = "2*pi"
+
+[equations]
+x = "v"
+v = "sin(t) - v - x"
+"""
+LINE = """states = ["x"]
+period = "2*pi"
+
+[parameters]
+c = 1.0
+
+[equations]
+x = "sin(t) - c*x"
+"""
 
 
 class Bench:
@@ -41,6 +77,7 @@ class Page:
             view,
             self.crew,
             show=lambda task, view, piece: self.shown.append((task, piece)),
+            clear=lambda task: self.shown.append((task, "cleared")),
             send=self.sent.append,
             later=lambda function, milliseconds: self.queue.append(function),
         )
@@ -129,6 +166,102 @@ def test_back_and_forward_and_a_slide_is_one_step():
     assert page.session.view.between == (0.1, 0.2)
 
 
+def test_another_system_empties_all_panes_at_once():
+    page = Page()
+    page.shown.clear()
+    page.do(do="text", text=ZENO, settle=False)
+    cleared = {task for task, piece in page.shown if piece == "cleared"}
+    assert cleared == {message["task"] for message in page.told("clear")}
+    assert cleared == {"motion", "drawing", "orbit", "diagram", "plane"}
+
+
+@pytest.mark.parametrize(
+    ("text", "task", "said"),
+    [(RIGID, "diagram", "no parameter that can be varied"), (LINE, "plane", "needs two states")],
+)
+def test_a_pane_with_nothing_to_do_says_why(text, task, said):
+    page = Page()
+    page.do(do="text", text=text)
+    (last,) = [message for message in page.told("work")[-4:] if message["task"] == task]
+    assert last["state"] == "none" and said in last["message"]
+
+
+def test_a_task_that_fails_leaves_no_picture_of_another_view():
+    page = Page()
+    plane = page.crew.take()["plane"]
+    page.shown.clear()
+    plane.tell("failed", plane, "for a reason")
+    page.settle()
+    assert ("plane", "cleared") in page.shown
+    assert page.told("work")[-1]["message"] == "for a reason"
+
+
+def test_a_page_without_a_link_is_answered():
+    page = Page()
+    page.do(do="hello", n=1)
+    assert page.told("heard") == [{"type": "heard", "n": 1}] and not page.told("refused")
+
+
+def test_a_view_says_whether_a_gesture_made_it():
+    page = Page()
+    page.do(do="value", name="xi", value="0.06", live=True)
+    assert [message["by_gesture"] for message in page.told("view")] == [True, False]
+
+
+def test_the_shares_of_a_plane_are_of_all_its_starts():
+    from nonsmooth.explorer.descriptions import described
+
+    view = replace(opening("impact_oscillator"), cells=8, region=(-2.0, 2.0, -2.0, 2.0))
+    *_, piece = TASKS["plane"](view)
+    told = described("plane", view, piece)
+    shares = [float(text.rpartition(": ")[2].removesuffix(" %")) for text, _ in told["chips"]]
+    assert "inadmissible" in piece["others"]  # behind the wall
+    assert sum(shares) == pytest.approx(100.0, abs=0.05 * len(shares))  # one digit each
+
+
+def test_a_motion_that_ends_early_is_shown_as_far_as_it_goes():
+    """At rest on the ground rebounds accumulate at once; nothing is left out of what exists."""
+    page = Page()
+    page.do(do="text", text=ZENO)
+    job = page.crew.take()["motion"]
+    assert job.view.leave_out > 0
+    (piece,) = TASKS["motion"](job.view)
+    assert piece["status"] == "event_limit" and piece["time"][0] == 0.0
+    job.tell("piece", job, piece)
+    page.settle()
+    (told,) = page.told("piece")
+    assert "event_limit" in told["remark"] and not told["fine"]
+
+
+def test_basins_that_take_long_wait_until_they_are_asked_for():
+    page = Page()
+    plane = page.crew.take()["plane"]
+    slow = {"region": (-2.0, 1.0, -1.0, 1.0), "attractors": [], "cells": 625} | CELLS
+    plane.tell("piece", plane, slow | {"seconds": 7.5, "waits": True})
+    plane.tell("done", plane, None)
+    page.settle()
+    last = page.told("work")[-1]
+    # 100 * 100 cells are sixteen times as many: two minutes
+    assert last["message"] == "625 starts took 8 s of work; all 10,000 may take 2 min"
+    page.do(do="go on", task="plane")
+    assert page.crew.take()["plane"].options == {"every": True}
+
+
+def test_a_print_takes_what_is_shown():
+    page = Page()
+    plane = page.crew.take()["plane"]
+    shown = {"region": (-2.0, 1.0, -1.0, 1.0), "attractors": [], "cells": 625} | CELLS
+    plane.tell("piece", plane, shown | {"result": {"basins": "kept"}})
+    page.settle()
+    for _ in "12":
+        page.do(do="print", pane="plane", suffix=".pdf")
+    jobs = page.crew.begun
+    assert [job.options["known"] for job in jobs] == [{"basins": "kept"}] * 2
+    page.do(do="set", fields={"picture": "section"})
+    page.do(do="print", pane="plane", suffix=".pdf")
+    assert page.crew.take()["picture"].options["known"] == {}
+
+
 def test_a_piece_of_a_job_that_was_replaced_is_not_shown():
     page = Page()
     old = page.crew.take()["motion"]
@@ -142,7 +275,7 @@ def test_a_piece_of_a_job_that_was_replaced_is_not_shown():
 def test_the_period_of_an_orbit_and_the_region_of_basins_become_part_of_the_view():
     page = Page(replace(MOLE, region=()))
     plane = page.crew.take()["plane"]
-    cells = {"region": (-2.0, 1.0, -1.0, 1.0), "attractors": [], "unsettled": 0, "cells": 625}
+    cells = {"region": (-2.0, 1.0, -1.0, 1.0), "attractors": [], "cells": 625} | CELLS
     plane.tell("piece", plane, cells)
     page.do(do="orbit")
     orbit = page.crew.take()["orbit"]
@@ -176,9 +309,11 @@ def test_limits_and_stops_are_said_and_work_can_go_on():
     plane = begun["plane"]
     plane.tell("limit", plane, 60.0)
     page.settle()
-    assert "stopped after 60 s" in page.told("work")[-1]["message"]
+    last = page.told("work")[-1]
+    assert "nothing came within 60 s" in last["message"] and last["go_on"] == "Go on"
     page.do(do="go on", task="plane")
     assert page.crew.take()["plane"].seconds > plane.seconds
+    assert ("plane", "cleared") in page.shown  # nothing had come
     page.do(do="stop")
     assert {message["task"] for message in page.told("work")} >= {"diagram", "plane", "drawing"}
     assert begun["diagram"].cancelled

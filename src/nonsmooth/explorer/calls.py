@@ -5,12 +5,14 @@ A page, a script and a command made from one view therefore give the same digits
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from nonsmooth.errors import RunWarning
 from nonsmooth.explorer.view import View
 
 __all__ = [
@@ -19,6 +21,7 @@ __all__ = [
     "VerbCall",
     "basins",
     "branch",
+    "computed",
     "diagram",
     "map_of",
     "motion",
@@ -70,6 +73,17 @@ class VerbCall:
         given = [_meant(value, results) for value in self.arguments]
         options = {key: _meant(value, results) for key, value in self.options.items()}
         return getattr(nonsmooth, self.verb)(*given, **options | changed)
+
+
+def computed(made: list[VerbCall], known: Mapping[str, Any], **changed: Any) -> dict[str, Any]:
+    """Results of some calls beside known ones; a run that ends early says so in its message."""
+    results = dict(known)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RunWarning)
+        for call in made:
+            more = changed if call.verb == "simulate" else {}
+            results[call.name] = call.run(results, **more)
+    return results
 
 
 def _meant(value: Any, results: Mapping[str, Any]) -> Any:

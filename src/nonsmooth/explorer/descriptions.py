@@ -9,9 +9,23 @@ from typing import Any
 from nonsmooth.explorer.limits import label_and_unit, sliders
 from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View, system_of
+from nonsmooth.explorer.wording import in_words_of_page, sentence_of
+from nonsmooth.plot.attractor_style import (
+    ENDED_EARLY,
+    INADMISSIBLE,
+    NOT_COMPUTED,
+    UNSETTLED,
+    percent,
+)
 
 __all__ = ["described", "described_view"]
 
+_OTHERS = {
+    "unsettled": UNSETTLED,
+    "ended early": ENDED_EARLY,
+    "inadmissible": INADMISSIBLE,
+    "not computed": NOT_COMPUTED,
+}
 _SHOWN = 6  # multipliers that are told
 
 
@@ -81,12 +95,15 @@ def _motion(view: View, piece: Piece) -> dict[str, Any]:
     modes = [name for name in piece["portrait"] if name]
     doubts = piece["n_uncertain"]
     certificate = "all events certified" if not doubts else f"{doubts} events flagged"
-    if piece["status"] not in ("completed", "stopped"):
-        certificate = piece["message"]
+    whole = piece["status"] in ("completed", "stopped")
+    if not whole:
+        certificate = "it ended early"
     return {
+        "remark": "" if whole else in_words_of_page(sentence_of(piece["message"])),
+        "title": in_words_of_page(piece["message"]),
         "modes": [[name.replace("_", " "), piece["colours"][name]] for name in modes],
         "said": f"{piece['n_events']} events; {certificate}",
-        "fine": not doubts and piece["status"] in ("completed", "stopped"),
+        "fine": not doubts and whole,
         "word": piece["word"].replace("_", " "),
         "events": [
             {
@@ -108,17 +125,40 @@ def _drawing(view: View, piece: Piece) -> dict[str, Any]:
 def _diagram(view: View, piece: Piece) -> dict[str, Any]:
     done, count = piece["done"], piece["count"]
     said = f"{done} of {count} columns" if done < count else f"{count} columns"
-    return {"said": said, "share": piece["done"] / piece["count"]}
+    parts = []
+    if piece["n_ended"]:
+        why = ", ".join(piece["ended"]).replace("_", " ")
+        parts.append(f"{piece['n_ended']} motions ended early ({why}); they are left out")
+    if piece["unsettled"]:
+        parts.append(
+            f"{piece['unsettled']} motions have not settled to a period: chaos, a longer period, or"
+            " a motion that settles slowly"
+        )
+    title = "\n".join([f"{done} of {count} columns", *parts])
+    remark = parts[0] if done == piece["n_ended"] else ""
+    return {"said": said, "title": title, "remark": remark, "share": piece["done"] / piece["count"]}
 
 
 def _plane(view: View, piece: Piece) -> dict[str, Any]:
     if "attractors" not in piece:
         return {"said": f"{len(piece['x']):,} points", "share": 1.0, "chips": []}
-    chips = [[each["text"], each["basin"]] for each in piece["attractors"]]
-    if piece["unsettled"]:
-        chips.append([f"unsettled: {piece['unsettled'] / piece['cells']:.1%}", "#FFFFFF"])
-    share = piece["cells"] / view.cells**2
-    return {"said": f"{piece['cells']:,} starts", "share": min(1.0, share), "chips": chips}
+    chips = [
+        [f"{each['text']}: {percent(each['share'])}", each["basin"]] for each in piece["attractors"]
+    ]
+    chips += [
+        [f"{name}: {percent(share)}", _OTHERS[name]] for name, share in piece["others"].items()
+    ]
+    said, share = f"{piece['cells']:,} starts", piece["cells"] / view.cells**2
+    waits = ""
+    if piece["waits"]:
+        minutes = piece["seconds"] / share / 60.0
+        waits = (
+            f"{said} took {piece['seconds']:.0f} s of work; all {view.cells**2:,} may take"
+            f" {max(1.0, minutes):.0f} min"
+        )
+    title = f"{said}\n{in_words_of_page(piece['message'])}"
+    share = min(1.0, share)
+    return {"said": said, "title": title, "share": share, "chips": chips, "waits": waits}
 
 
 def _orbit(view: View, piece: Piece) -> dict[str, Any]:
@@ -128,7 +168,7 @@ def _orbit(view: View, piece: Piece) -> dict[str, Any]:
         ]
         return {"branch": places}
     if not piece["turn"]:
-        return {"found": False, "message": piece["message"]}
+        return {"found": False, "message": in_words_of_page(piece["message"])}
     multipliers = piece["multipliers"][:_SHOWN]
     stable = "stable" if piece["stable"] else "unstable"
     return {

@@ -47,6 +47,8 @@ def _link(view: View, gesture: Gesture) -> View:
 def _text(view: View, gesture: Gesture) -> View:
     """A typed system: what was shown of the one before is kept as far as it still has a meaning."""
     text = str(gesture["text"])
+    if not text.strip():
+        raise OptionError("there is no system: type its states and equations, or press Revert")
     found = opening(text=text)
     kept = {
         name: getattr(view, name)
@@ -61,19 +63,19 @@ def _text(view: View, gesture: Gesture) -> View:
         value = new.parameter_values[view.over]
         if view.between and view.between[0] <= value <= view.between[1]:
             kept |= {"over": view.over, "between": view.between}
-    return replace(found, **kept)
+    view = replace(found, **kept)
+    try:
+        view.check_section()
+    except OptionError:  # of an event that the system has no more
+        return replace(view, section=found.section)
+    return view
 
 
 def _value(view: View, gesture: Gesture) -> View:
     """A parameter moved or typed."""
     name, text = str(gesture["name"]), str(gesture["value"]).strip()
     values = dict(view.values) | {name: text}
-    found = replace(view, values=tuple(values.items()), turn=0, branch=False, event=-1)
-    value = found.system.parameter_values[name]
-    if name == view.over and not min(view.between) <= value <= max(view.between):
-        between = (min(value, *view.between), max(value, *view.between))
-        found = replace(found, between=between, height=())
-    return found
+    return replace(view, values=tuple(values.items()), turn=0, branch=False, event=-1)
 
 
 def _set(view: View, gesture: Gesture) -> View:
@@ -143,6 +145,8 @@ def _box(view: View, gesture: Gesture) -> View:
     for first, last in ((left, right), (low, high)):
         if not last - first > _LEAST_BOX * max(abs(first), abs(last)):
             raise OptionError("the box is too small for numbers to tell its sides apart")
+    left, right = (float(_short(value, left, right)) for value in (left, right))
+    low, high = (float(_short(value, low, high)) for value in (low, high))
     if gesture["pane"] == "diagram":
         return replace(view, between=(left, right), height=(low, high))
     return replace(view, region=(left, right, low, high))

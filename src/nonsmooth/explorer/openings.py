@@ -114,7 +114,7 @@ def _guess(system: System, known: Mapping[str, Any]) -> View:
         portrait=(across, up),
         over=over,
         between=between,
-        shown=up,
+        shown=up if system.period is not None else across,  # that of the section is 0 there
         section="" if system.period is not None else up,
         picture="basins" if len(moving) <= 4 and system.period is not None else "section",
         plane=(across, up) if across != up else (),

@@ -41,11 +41,23 @@ class _Panes:
         panes = (self.history, self.portrait, self.diagram, self.plane)
         return {pane.plot.name: pane.plot for pane in panes}
 
+    def clear(self, task: str) -> None:
+        """Empty the figures of a task."""
+        if task == "motion":
+            self.history.clear()
+            self.portrait.clear()
+        elif task == "diagram":
+            self.diagram.clear()
+        elif task == "plane":
+            self.plane.clear()
+        elif task == "orbit":
+            self.portrait.clear_orbit()
+            self.diagram.clear_branch()
+
     def show(self, task: str, view: View, piece: Piece | None) -> None:
         if piece is None:
             if task == "orbit":
-                self.portrait.clear_orbit()
-                self.diagram.clear_branch()
+                self.clear(task)
             elif task == "diagram":
                 self.diagram.begin(view)
         elif task == "motion":
@@ -82,7 +94,9 @@ def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Se
         else:
             document.add_next_tick_callback(guarded)
 
-    session = Session(view, crew, show=panes.show, send=send, later=later, seconds=seconds)
+    session = Session(
+        view, crew, show=panes.show, clear=panes.clear, send=send, later=later, seconds=seconds
+    )
     opened = False
 
     def hear(attr: str, old: str, new: str) -> None:
@@ -90,8 +104,7 @@ def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Se
         if not opened:  # the page is there, and says by its link what it shows
             opened = True
             session.open()
-        if json.loads(new or "{}").get("do") != "hello":
-            session.hear(new)
+        session.hear(new)
 
     from_page.on_change("text", hear)
     for name, figure in panes.figures().items():

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import tempfile
-import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.errors import OptionError, RunWarning, unknown_name
+from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.explorer import calls
 from nonsmooth.explorer.view import View
 
@@ -17,8 +17,8 @@ SUFFIXES = (".png", ".pdf", ".svg")
 _SIZE = (12.0, 8.0)  # cm, as the shell draws
 
 
-def printed(view: View, which: str, suffix: str) -> bytes:
-    """Bytes of a picture file."""
+def printed(view: View, which: str, suffix: str, known: Mapping[str, Any]) -> bytes:
+    """Bytes of a picture file; what is not among the known results is computed."""
     from nonsmooth import plot
 
     if suffix not in SUFFIXES:
@@ -26,11 +26,8 @@ def printed(view: View, which: str, suffix: str) -> bytes:
     made = _DRAWN.get(which)
     if made is None:
         raise OptionError(unknown_name("picture", which, _DRAWN))
-    results: dict[str, Any] = {"system": view.system}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RunWarning)
-        for call in made(view):
-            results[call.name] = call.run(results)
+    missing = [] if _WANTED[which] & set(known) else made(view)
+    results = calls.computed(missing, {"system": view.system} | dict(known))
     width, height = _SIZE
     figure, (ax,) = plot.print_figure(width=width, height=height)
     _draw(view, which, results, ax)
@@ -73,4 +70,11 @@ _DRAWN = {
     "portrait": calls.motion,
     "diagram": _diagram,
     "plane": _plane,
+}
+# results of which one is enough for a picture
+_WANTED = {
+    "history": {"run"},
+    "portrait": {"run"},
+    "diagram": {"diagram"},
+    "plane": {"basins", "points"},
 }

@@ -7,6 +7,7 @@ browser states as their origin; so another site that a visitor has open cannot r
 
 from __future__ import annotations
 
+import logging
 import os
 import re
 import socket
@@ -28,7 +29,7 @@ __all__ = ["ExplorerServer", "check_origins"]
 
 _LOOPBACK = "127.0.0.1"
 _EVERYWHERE = ""  # all addresses of the machine
-_ORIGIN = re.compile(r"[A-Za-z0-9.-]+(:\d{1,5})?|\[[0-9A-Fa-f:.]+\](:\d{1,5})?")
+_ORIGIN = re.compile(r"([A-Za-z0-9.-]+|\[[0-9A-Fa-f:.]+\]):\d{1,5}")
 _MOST_BYTES = 2_000_000  # of a message from a page
 _UNUSED = 30_000  # milliseconds after which a page that was left is forgotten
 _LONGEST_WAIT = 30.0  # seconds for the server to end
@@ -100,6 +101,9 @@ class ExplorerServer:
         from tornado.web import StaticFileHandler
 
         from nonsmooth.explorer.page import build_page
+
+        # pages that are closed while an answer is on its way are no fault of the server
+        logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
 
         def page(document: Document) -> None:
             build_page(document, self.view, self.crew, self.work_limit)

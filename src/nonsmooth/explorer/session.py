@@ -22,6 +22,7 @@ from nonsmooth.explorer.links import to_link
 from nonsmooth.explorer.printing import SUFFIXES
 from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View
+from nonsmooth.explorer.wording import in_words_of_page, of_field
 
 __all__ = ["Session"]
 
@@ -29,6 +30,10 @@ _ORDER = ("motion", "drawing", "orbit", "diagram", "plane")
 _QUIET = 180  # milliseconds after a live gesture until long work begins
 _MOST_STEPS = 200  # back
 _LONGER = 4.0  # times the limit, where the visitor asks to go on
+_NOTHING = {
+    "diagram": "the system has no parameter that can be varied, so there is no diagram",
+    "plane": "a plane needs two states, and the system has one",
+}
 _COPIES = {
     "python": scripts.python_text,
     "command": scripts.command_text,
@@ -49,6 +54,8 @@ class Session:
         Who computes.
     show : callable
         Told ``(task, view, piece)`` for each piece, and ``(task, view, None)`` when a task begins.
+    clear : callable
+        Told a task whose pictures are no longer of the system that is shown.
     send : callable
         Told messages for the page: dictionaries of plain values.
     later : callable
@@ -63,14 +70,18 @@ class Session:
         crew: Crew,
         *,
         show: Callable[[str, View, Piece | None], None],
+        clear: Callable[[str], None],
         send: Send,
         later: Callable[[Callable[[], None], int], None],
         seconds: float = 60.0,
     ) -> None:
         self.view, self.crew, self.seconds = view, crew, seconds
-        self.show, self.send, self.later = show, send, later
+        self.show, self.clear, self.send, self.later = show, clear, send, later
         self.keys: dict[str, Any] = {}
         self.jobs: dict[str, Job] = {}
+        self.results: dict[str, dict[str, Any]] = {}  # of the pictures that are shown
+        self.waits: dict[str, str] = {}  # tasks that go on only when they are asked to, and why
+        self.empty: set[str] = set()  # tasks that have shown nothing since they began
         self.past: list[View] = []
         self.future: list[View] = []
         self.live = False
@@ -99,12 +110,15 @@ class Session:
             place = find_fault(str(gesture.get("text", "")), str(fault))
             message |= {"line": place.line, "column": place.column, "message": place.message}
         else:
-            message |= {"message": str(fault)}
+            words = of_field if gesture["do"] == "set" else in_words_of_page
+            message |= {"message": words(str(fault))}
         message |= {"name": gesture.get("name", ""), "n": gesture.get("n")}
         self.send(message)
 
     def _do(self, gesture: dict[str, Any]) -> None:
         do = gesture["do"]
+        if do == "hello":
+            return  # of a page whose link is empty: it shows the first view
         if do == "back":
             self._step(self.past, self.future)
         elif do == "forward":
@@ -140,16 +154,19 @@ class Session:
         other = (view.model, view.text) != (self.view.model, self.view.text)
         self.view = view
         moves = self._key("motion") != self.keys.get("motion")
-        self._tell_view(n, new_system=other, moves=moves)
+        self._tell_view(n, new_system=other, moves=moves, by_gesture=True)
         for task in _ORDER:
-            key = self._key(task)
-            if key == self.keys.get(task):
+            if other:
+                self.keys.pop(task, None)
+                self._clear(task)
+            if self._is_up_to_date(task):
                 continue
             self.crew.cancel(self.jobs.pop(task, None))
             if task == "motion":
                 self._begin(task, n=n)
             else:
                 self.keys.pop(task, None)
+                self.results.pop(task, None)
                 self.send({"type": "work", "task": task, "state": "stale"})
         self.waiting += 1
         turn = self.waiting
@@ -162,15 +179,30 @@ class Session:
             self.live = False
             self._tell_view(None, new_system=False)
         for task in _ORDER[1:]:
-            if self.keys.get(task) != self._key(task):
+            if not self._is_up_to_date(task):
                 self._begin(task)
 
-    def _begin(self, task: str, n: Any = None, seconds: float | None = None) -> None:
+    def _is_up_to_date(self, task: str) -> bool:
+        """Whether a task has begun for what is shown; one with nothing to do has begun too."""
+        return task in self.keys and self.keys[task] == self._key(task)
+
+    def _clear(self, task: str) -> None:
+        self.clear(task)
+        self.send({"type": "clear", "task": task})
+
+    def _begin(
+        self, task: str, n: Any = None, seconds: float | None = None, **options: Any
+    ) -> None:
         self.crew.cancel(self.jobs.pop(task, None))
         self.keys[task] = key = self._key(task)
         self.show(task, self.view, None)
+        self.empty.add(task)
+        if not options:  # what is shown stays where a task goes on
+            self.results.pop(task, None)
         if key is None:
-            self.send({"type": "work", "task": task, "state": "none"})
+            self._clear(task)
+            why = _NOTHING.get(task, "")
+            self.send({"type": "work", "task": task, "state": "none", "message": why})
             return
         view = self.view
 
@@ -178,7 +210,7 @@ class Session:
             self.later(lambda: self._hear_of(task, view, job, event, value, n), 0)
 
         self.send({"type": "work", "task": task, "state": "busy"})
-        self.jobs[task] = self.crew.submit(Job(task, view, tell, seconds or self.seconds))
+        self.jobs[task] = self.crew.submit(Job(task, view, tell, seconds or self.seconds, options))
 
     def _hear_of(
         self, task: str, view: View, job: Job, event: str, value: Any, n: Any = None
@@ -187,17 +219,29 @@ class Session:
             return  # of a job that a later gesture has replaced
         if event == "piece":
             self._take(task, value)
+            self.empty.discard(task)
+            self.results[task] = value.get("result", {})
+            told = described(task, view, value)
+            self.waits[task] = told.get("waits", "")
             self.show(task, view, value)
-            self.send({"type": "piece", "task": task, **described(task, view, value), "n": n})
+            self.send({"type": "piece", "task": task, **told, "n": n})
             return
         self.jobs.pop(task)
-        words = {"done": "", "failed": value}.get(event, "")
+        words = {"done": self.waits.pop(task, ""), "failed": value}.get(event, "")
+        words = in_words_of_page(words)
+        go_on = "Go on for all cells" if event == "done" and words else ""
+        if event != "done" and task in self.empty:
+            self._clear(task)  # what stands there is of another view
         if event == "limit":
             words = (
                 f"stopped after {value:g} s of work, its limit; choose a smaller range, or let it"
                 " go on"
             )
-        self.send({"type": "work", "task": task, "state": event, "message": words})
+            if task in self.empty:
+                words = f"nothing came within {value:g} s of work: motions settle slowly here"
+            go_on = "Go on"
+        message = {"type": "work", "task": task, "state": event, "message": words}
+        self.send(message | {"go_on": go_on})
 
     def _take(self, task: str, piece: Piece) -> None:
         """Results that belong to the view: the region around a motion, the period of an orbit."""
@@ -232,13 +276,23 @@ class Session:
             return (system, calls.points(view), view.plane)
         return (system, calls.map_of(view), view.plane, view.region, view.cells)
 
-    def _tell_view(self, n: Any, *, new_system: bool, moves: bool = False) -> None:
+    def _tell_view(
+        self, n: Any, *, new_system: bool, moves: bool = False, by_gesture: bool = False
+    ) -> None:
         from nonsmooth.explorer.descriptions import described_view
 
         message = described_view(self.view, new_system=new_system, live=self.live)
         steps = {"back": bool(self.past), "forward": bool(self.future)}
         self.send(
-            {"type": "view", "link": to_link(self.view), "n": n, "moves": moves} | steps | message
+            {
+                "type": "view",
+                "link": to_link(self.view),
+                "n": n,
+                "moves": moves,
+                "by_gesture": by_gesture,
+            }
+            | steps
+            | message
         )
 
     def open(self) -> None:
@@ -253,13 +307,18 @@ class Session:
             self.crew.cancel(job)
             self.jobs.pop(task)
             message = "stopped; what was computed is shown"
+            if task in self.empty:
+                self._clear(task)
+                message = "stopped before there was anything to show"
             self.send({"type": "work", "task": task, "state": "stopped", "message": message})
 
     def _go_on(self, task: str) -> None:
         """Begin a task once more, with a longer limit."""
         if task not in _ORDER:
             raise OptionError(f"go on: {task!r} is no task of the page")
-        self._begin(task, seconds=_LONGER * self.seconds)
+        # coarse cells are there already
+        options = {"every": True} if task == "plane" else {}
+        self._begin(task, seconds=_LONGER * self.seconds, **options)
 
     def _copy(self, kind: str) -> None:
         if kind not in _COPIES:
@@ -274,7 +333,8 @@ class Session:
             self.later(lambda: self._hear_of_print(job, event, value), 0)
 
         self.send({"type": "work", "task": "picture", "state": "busy"})
-        options = {"which": pane, "suffix": suffix}
+        known = {name: of for found in self.results.values() for name, of in found.items()}
+        options = {"which": pane, "suffix": suffix, "known": known}
         self.crew.submit(Job("picture", self.view, tell, self.seconds, options))
 
     def _hear_of_print(self, job: Job, event: str, value: Any) -> None:
@@ -282,7 +342,7 @@ class Session:
             file = base64.b64encode(value["file"]).decode()
             self.send({"type": "file", "name": value["name"], "data": file})
         else:
-            message = value if event == "failed" else ""
+            message = in_words_of_page(value) if event == "failed" else ""
             self.send({"type": "work", "task": "picture", "state": event, "message": message})
 
     def close(self) -> None:

@@ -6,18 +6,19 @@ so that there is something to see after a moment.
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.errors import OptionError, RunWarning
+from nonsmooth.errors import OptionError
 from nonsmooth.explorer import calls
 from nonsmooth.explorer.limits import label_and_unit
 from nonsmooth.explorer.reasons import certificate, event_reasons
 from nonsmooth.explorer.view import View
+from nonsmooth.runs.start import GOES_ON
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,25 +33,20 @@ _EVENTS = 2_000  # rows that go to the page
 _FRAMES = 400  # of the drawing
 _COARSE_COLUMNS = 8  # every so many columns come first
 _COARSE_CELLS = 25
+_LONG_COARSE = 4.0  # seconds of coarse basins, beyond which fine ones would take minutes
 _AROUND = 0.25  # of the extent of a motion, by which a region reaches beyond it
 _LONGEST_TURN = 16  # periods of an orbit that is looked for
 _SETTLING = 200  # periods until the period of a motion is read
 
 
-def _computed(made: list[calls.VerbCall], system: Any, **changed: Any) -> dict[str, Any]:
-    """Results of some calls, by their names; a run that ends early says so in its message."""
-    results: dict[str, Any] = {"system": system}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RunWarning)
-        for call in made:
-            more = changed if call.verb == "simulate" else {}
-            results[call.name] = call.run(results, **more)
-    return results
-
-
 def _run(view: View) -> xr.Dataset:
+    """The motion shown; where its part that is left out ends early, that part is shown instead."""
     limits = {"max_seconds": _LONGEST_RUN, "max_events": _MOST_EVENTS}
-    return _computed(calls.motion(view), view.system, **limits)["run"]
+    *before, shown = calls.motion(view)
+    results = calls.computed(before, {"system": view.system}, **limits)
+    if before and results["settled"].attrs["status"] not in GOES_ON:
+        (shown,) = calls.motion(replace(view, leave_out=0.0, length=view.leave_out))
+    return calls.computed([shown], results, **limits)["run"]
 
 
 def motion(view: View) -> Iterator[Piece]:
@@ -168,22 +164,25 @@ def drawing(view: View) -> Iterator[Piece]:
 
 def diagram(view: View) -> Iterator[Piece]:
     """Columns of the bifurcation diagram, some of them first."""
+    import xarray as xr
+
     if not view.over:
         raise OptionError("the system has no parameter for a diagram")
     if view.start != "restart":  # each column begins where the one before has ended
         coarse = max(2, view.columns // _COARSE_COLUMNS)
         for columns in (coarse, view.columns):
-            done = _computed(calls.diagram(view, columns), view.system)["diagram"]
-            yield _columns(view, done, np.arange(columns), columns)
+            done = calls.computed(calls.diagram(view, columns), {"system": view.system})["diagram"]
+            yield _columns(view, done, np.arange(columns), columns, done)
         return
     made, system = calls.diagram(view), view.system
     values = made[-1].arguments[2].values()
-    results = _computed(made[:-1], system)
-    done = 0
+    results = calls.computed(made[:-1], {"system": system})
+    parts: list[xr.Dataset] = []
     for chosen in _coarse_to_fine(len(values)):
         call = replace(made[-1], arguments=(*made[-1].arguments[:2], values[chosen]))
-        done += chosen.size
-        yield _columns(view, call.run(results), chosen, len(values), done)
+        parts.append(calls.computed([call], results)["diagram"])
+        whole = xr.concat(parts, "parameter", combine_attrs="override").sortby("parameter")
+        yield _columns(view, parts[-1], chosen, len(values), whole)
 
 
 def _coarse_to_fine(count: int) -> Iterator[np.ndarray]:
@@ -195,8 +194,11 @@ def _coarse_to_fine(count: int) -> Iterator[np.ndarray]:
         step //= 2
 
 
-def _columns(view: View, part: xr.Dataset, numbers: np.ndarray, count: int, done: int = 0) -> Piece:
-    """Points of some columns, each with the period of its motion."""
+def _columns(
+    view: View, part: xr.Dataset, numbers: np.ndarray, count: int, whole: xr.Dataset
+) -> Piece:
+    """Points of some columns with the period of each; and what is said of all so far."""
+    came = whole["status"].values == "completed"
     shown = part[view.shown]
     values = shown.values.reshape(len(numbers), -1)
     period = part["period"].values[:, 0]
@@ -211,14 +213,20 @@ def _columns(view: View, part: xr.Dataset, numbers: np.ndarray, count: int, done
         "value": values[kept],
         "period": period[column],
         "numbers": numbers,
-        "done": done or len(numbers),
+        "done": whole.sizes["parameter"],
         "count": count,
-        "refused": int((part["status"].values != "completed").sum()),
+        "unsettled": int((came & (whole["period"].values == 0)).sum()),
+        "ended": sorted(set(whole["status"].values[~came].tolist())),
+        "n_ended": int((~came).sum()),
+        "result": {"diagram": whole},
     }
 
 
-def plane(view: View) -> Iterator[Piece]:
-    """Basins of attraction, coarse first; or points of a section."""
+def plane(view: View, every: bool = False) -> Iterator[Piece]:
+    """Basins of attraction, coarse first; or points of a section.
+
+    Where coarse ones take long, all cells are computed only when ``every`` asks for them.
+    """
     if not view.plane:
         raise OptionError("the system has fewer than two states for a plane")
     if view.picture == "section":
@@ -230,9 +238,15 @@ def plane(view: View) -> Iterator[Piece]:
             " basins are counted"
         )
     view = replace(view, region=view.region or _region(view))
-    for cells in sorted({min(_COARSE_CELLS, view.cells), view.cells}):
-        found = _computed(calls.basins(view, cells), view.system)["basins"]
-        yield _cells(view, found)
+    coarse = min(_COARSE_CELLS, view.cells)
+    for cells in [view.cells] if every else sorted({coarse, view.cells}):
+        began = time.perf_counter()
+        found = calls.computed(calls.basins(view, cells), {"system": view.system})["basins"]
+        seconds = time.perf_counter() - began
+        waits = cells < view.cells and seconds > _LONG_COARSE
+        yield _cells(view, found) | {"seconds": seconds, "waits": waits}
+        if waits:
+            return
 
 
 def _region(view: View) -> tuple[float, ...]:
@@ -261,20 +275,39 @@ def _cells(view: View, found: xr.Dataset) -> Piece:
                 "number": k,
                 "basin": styles[k].basin,
                 "colour": styles[k].points,
-                "text": styles[k].text,
+                "text": _kind(found, k),
+                "share": float((found["label"] == k).mean()),
                 "points": attractor_points(found, k, across, up),
             }
             for k in numbers
         ],
-        "unsettled": int(found.attrs["unsettled_cells"]),
+        "others": {
+            name: found.attrs[key] / found["label"].size
+            for name, key in (
+                ("unsettled", "unsettled_cells"),
+                ("ended early", "ended_cells"),
+                ("inadmissible", "inadmissible_cells"),
+                ("not computed", "cells_left_out"),
+            )
+            if found.attrs[key]
+        },
         "cells": int(found["label"].size),
+        "message": str(found.attrs["message"]),
+        "result": {"basins": found},
     }
+
+
+def _kind(found: xr.Dataset, number: int) -> str:
+    """What an attractor is, in a word or two."""
+    one = found.sel(attractor=number)
+    period = int(one["period"]) if "period" in one else 0
+    return f"period {period}" if period > 0 else str(one["kind"].item())
 
 
 def _points(view: View) -> Piece:
     from nonsmooth.plot.style import mode_colours
 
-    points = _computed(calls.points(view), view.system)["points"]
+    points = calls.computed(calls.points(view), {"system": view.system})["points"]
     across, up = view.plane
     modes = points["mode"].attrs["flag_meanings"].split()
     colours = mode_colours(points)
@@ -285,6 +318,7 @@ def _points(view: View) -> Piece:
         "colour": [colours[modes[k]] for k in points["mode"].values],
         "labels": {name: _name_and_unit(view, name) for name in view.plane},
         "message": str(points.attrs.get("message", "")),
+        "result": {"points": points},
     }
 
 
@@ -300,7 +334,11 @@ def orbit(view: View) -> Iterator[Piece]:
     system = view.system
     if view.turn < 0:
         view = replace(view, turn=_period(view))
-    results = _computed([*calls.motion(view), *calls.orbit(view)], system)
+    run = _run(view)
+    if run.attrs["status"] not in GOES_ON:
+        yield {"turn": 0, "message": "the motion ends early, so there is no orbit near its end"}
+        return
+    results = calls.computed(calls.orbit(view), {"system": system, "run": run})
     found = results["orbit"]
     if found.attrs["status"] not in ("completed", "inadmissible"):
         yield {"turn": 0, "message": found.attrs["message"]}
@@ -358,14 +396,23 @@ def _branch(view: View, branch: xr.Dataset) -> Piece:
         "stable": branch["stable"].values.astype(bool),
         "special": special,
         "ends": (branch.attrs["end_first"], branch.attrs["end_last"]),
+        "result": {"branch": branch},
     }
 
 
-def picture(view: View, which: str = "portrait", suffix: str = ".png") -> Iterator[Piece]:
-    """A picture for print, drawn by `nonsmooth.plot` from the same calls."""
+def picture(
+    view: View,
+    which: str = "portrait",
+    suffix: str = ".png",
+    known: Mapping[str, Any] | None = None,
+) -> Iterator[Piece]:
+    """A picture for print, drawn by `nonsmooth.plot` from known results, or of the same calls."""
     from nonsmooth.explorer.printing import printed
 
-    yield {"file": printed(view, which, suffix), "name": f"{which}{suffix}"}
+    results = dict(known or {})
+    if which in ("history", "portrait"):
+        results["run"] = _run(view)
+    yield {"file": printed(view, which, suffix, results), "name": f"{which}{suffix}"}
 
 
 TASKS: dict[str, Callable[..., Iterator[Piece]]] = {

@@ -14,7 +14,6 @@ from typing import Any
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.models.ready_made import ready_made
 from nonsmooth.system.system import System
-from nonsmooth.system.text.grammar import parse
 
 __all__ = ["MOST", "PICTURES", "STARTS", "View", "system_of"]
 
@@ -94,9 +93,21 @@ class View:
                     f"{name} = {getattr(self, name):g} is not from {max(least, 0):g} to {most:g},"
                     " which is what a page computes; take a script for more"
                 )
-        if self.section:
-            parse(self.section, where="section")
+        self.check_section()
         return system
+
+    def check_section(self) -> None:
+        """An error where the section is none of the system."""
+        if self.section:
+            _check_section(self.model, self.text, self.section)
+
+
+@lru_cache(maxsize=64)
+def _check_section(model: str, text: str, section: str) -> None:
+    """Names in a section do not depend on parameters, so a slider does not wait for this."""
+    from nonsmooth.runs.poincare_map import PoincareMap
+
+    PoincareMap(system_of(model, text), section)
 
 
 def _check_kind(name: str, value: Any, default: Any) -> None:

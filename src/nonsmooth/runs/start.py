@@ -29,6 +29,7 @@ from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 
 __all__ = [
+    "GOES_ON",
     "Start",
     "begin",
     "check_carried",
@@ -42,7 +43,7 @@ __all__ = [
 
 _TOLERANCE = 1e-12
 # statuses of runs that go on where they ended
-_GOES_ON = (Status.COMPLETED.word, Status.WORK_LIMIT.word, Status.INTERRUPTED.word)
+GOES_ON = (Status.COMPLETED.word, Status.WORK_LIMIT.word, Status.INTERRUPTED.word)
 _NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
 _TIMES = {"time", "phase", "period_number"}  # coordinates of any result
 
@@ -199,7 +200,7 @@ def _from_run(
     repeated: bool,
 ) -> Start:
     status = run.attrs.get("status")
-    if status not in _GOES_ON or "anchor_state" not in run or "end_state" not in run:
+    if status not in GOES_ON or "anchor_state" not in run or "end_state" not in run:
         raise OptionError(
             f"initial: the run ended with status {status!r} and cannot go on; take one of its"
             " points instead, as in run.isel(time=-1)"

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from bokeh.models import ColumnDataSource, HoverTool, LinearColorMapper
 
-from nonsmooth.explorer.panes.look import INK, axis_text, fit, new_figure
+from nonsmooth.explorer.panes.look import INK, axis_text, bare, fit, new_figure
 from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View
 from nonsmooth.plot.period_colours import LONGER, NOT_SETTLED, PERIODS
@@ -45,6 +45,12 @@ class DiagramPane:
         )  # fmt: skip
         self.plot.add_tools(_hover(marks))
         self.parts: list[Piece] = []
+
+    def clear(self) -> None:
+        """Show no diagram."""
+        self.parts = []
+        self.source.data = {"x": [], "y": [], "period": []}
+        bare(self.plot)
 
     def begin(self, view: View) -> None:
         """Make room for a new diagram: what was there lies in the new ranges, pale and coarse."""

@@ -14,7 +14,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-__all__ = ["INK", "QUIET", "axis_text", "fit", "new_figure"]
+__all__ = ["INK", "QUIET", "axis_text", "bare", "fit", "new_figure"]
 
 INK, QUIET, GRID = "#1f2933", "#5f6b76", "#e6eaee"
 _FONT = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif"
@@ -57,6 +57,11 @@ def new_figure(name: str, *, boxes: bool) -> Any:
     plot.xaxis.ticker.desired_num_ticks = 6
     plot.grid.grid_line_color = GRID
     return plot
+
+
+def bare(plot: Any) -> None:
+    """Take the labels from the axes of a figure that shows nothing."""
+    plot.xaxis.axis_label = plot.yaxis.axis_label = ""
 
 
 def axis_text(name: str, label: tuple[str, str], most: int = 30) -> str:

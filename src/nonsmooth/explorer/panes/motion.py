@@ -15,6 +15,9 @@ from nonsmooth.explorer.view import View
 __all__ = ["HistoryPane", "PortraitPane"]
 
 _DASHES = ("solid", "dashed", "dotted", "dotdash")
+_NO_EVENTS: dict[str, list[Any]] = {
+    key: [] for key in ("x", "y", "name", "when", "reason", "certificate", "fill")
+}
 _TIP = """
 <div style="font: 13px system-ui, sans-serif; max-width: 320px">
 <b>@name</b> at @when<br>@reason<br><span style="color: #5f6b76">@certificate</span></div>
@@ -38,6 +41,10 @@ class _ModeLines:
         for key, (source, _) in self.lines.items():
             if key not in wanted and len(source.data["x"]):
                 source.data = {"x": [], "y": []}
+
+    def clear(self) -> None:
+        """Draw none."""
+        self.show({}, {})
 
     def _new(self, name: str, colour: str) -> tuple[ColumnDataSource, GlyphRenderer]:
         source = ColumnDataSource({"x": [], "y": []})
@@ -63,13 +70,17 @@ class HistoryPane:
             _ModeLines(self.plot, dash=dash, width=1.6 if k == 0 else 1.3)
             for k, dash in enumerate(_DASHES)
         ]
-        self.events = ColumnDataSource(
-            {key: [] for key in ("x", "y", "name", "when", "reason", "certificate", "fill")}
-        )
+        self.events = ColumnDataSource(dict(_NO_EVENTS))
         marks = self.plot.scatter(
             "x", "y", source=self.events, size=6, line_color=INK, fill_color="fill", line_width=0.8
         )
         self.plot.add_tools(HoverTool(renderers=[marks], tooltips=_TIP, attachment="vertical"))
+
+    def clear(self) -> None:
+        """Show no motion."""
+        for lines in self.lines:
+            lines.clear()
+        self.events.data = dict(_NO_EVENTS)
 
     def show(self, view: View, piece: Piece) -> None:
         """Show a motion."""
@@ -109,6 +120,11 @@ class PortraitPane:
         self.orbit_line = self.plot.line(
             "x", "y", source=self.orbit, line_color=INK, line_width=2.2, line_dash="solid"
         )
+
+    def clear(self) -> None:
+        """Show no motion."""
+        self.lines.clear()
+        self.clear_orbit()
 
     def show(self, view: View, piece: Piece) -> None:
         """Show a motion."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from bokeh.models import ColumnDataSource
 
-from nonsmooth.explorer.panes.look import axis_text, fit, new_figure
+from nonsmooth.explorer.panes.look import axis_text, bare, fit, new_figure
 from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View
 from nonsmooth.plot.attractor_style import ENDED_EARLY, INADMISSIBLE, NOT_COMPUTED, UNSETTLED
@@ -36,6 +36,12 @@ class PlanePane:
             "x", "y", source=self.attractors, size=6, fill_color="colour", line_color="#ffffff",
             line_width=0.8,
         )  # fmt: skip
+
+    def clear(self) -> None:
+        """Show neither basins nor points."""
+        self.image.data = dict(_NO_IMAGE)
+        self.points.data, self.attractors.data = dict(_NO_POINTS), dict(_NO_POINTS)
+        bare(self.plot)
 
     def show(self, view: View, piece: Piece) -> None:
         """Show basins or points."""

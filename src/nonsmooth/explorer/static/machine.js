@@ -6,6 +6,7 @@ import { setMarks } from "./plots.js";
 const canvas = document.getElementById("machine");
 const clock = document.getElementById("clock");
 const clockText = document.getElementById("clock-text");
+const note = document.getElementById("machine-note");
 const play = document.getElementById("play");
 const eventText = document.getElementById("event-text");
 const seconds = 12; // of the clock on the wall for the whole motion
@@ -18,6 +19,7 @@ let playing = !calm;
 let time = 0;
 let last = null;
 let chosen = -1;
+let asked = 0; // number of the last gesture that chose an event
 let wanted = -1; // event of the view, which may be known before the motion is
 
 const short = (value) => Number(value).toPrecision(6).replace(/\.?0+$/, "").replace(/\.?0+e/, "e");
@@ -149,8 +151,10 @@ function tell(event, k) {
   const name = document.createElement("b");
   name.textContent = `${event.name.replaceAll("_", " ")} at t = ${short(event.time)}`;
   const count = motion.events.length - 1;
-  const number = k ? ` (${k} of ${count})` : "";
-  eventText.append(name, `${number}: ${event.reason}; ${event.certificate}`);
+  // the certificate comes first, so that it is seen where the reason is cut
+  const number = k ? `${k} of ${count}; ` : "";
+  eventText.append(name, ` (${number}${event.certificate}): ${event.reason}`);
+  eventText.title = eventText.textContent;
 }
 
 export function stepEvent(way, quietly = false) {
@@ -171,7 +175,7 @@ function goTo(k, quietly) {
   tell(motion.events[k], k);
   showTime();
   wanted = k;
-  if (!quietly) send({ do: "set", fields: { event: String(k) } });
+  if (!quietly) asked = send({ do: "set", fields: { event: String(k) } });
 }
 
 on("piece", (message) => {
@@ -182,17 +186,32 @@ on("piece", (message) => {
     const times = motion.time;
     time = times[0] + share * (times[times.length - 1] - times[0]);
     eventText.textContent = "step from event to event";
+    eventText.title = "";
     showTime();
     wantEvent(wanted);
   } else if (message.task === "drawing") {
     drawing = message;
-    const note = document.getElementById("machine-note");
     note.textContent = note.title = drawing.note;
     paint();
   }
 });
 
-export function wantEvent(k) {
+on("clear", ({ task }) => {
+  if (task === "motion") {
+    motion = null;
+    chosen = -1;
+    clockText.value = "";
+    eventText.textContent = eventText.title = "";
+  } else if (task === "drawing") {
+    drawing = null;
+    note.textContent = note.title = "";
+    paint();
+  }
+});
+
+// Event of a view; the view after gesture n says nothing of an event that was chosen later.
+export function wantEvent(k, n = null) {
+  if (n !== null && n < asked) return;
   wanted = k;
   if (motion && k >= 0 && k < motion.events.length && k !== chosen) goTo(k, true);
 }

@@ -45,7 +45,7 @@ on("view", (message) => {
   setMarks("diagram", [["rule", here, 0]]);
   setMarks("plane", [["start", ...message.marks.plane]]);
   startMark("portrait", [["start", ...message.marks.portrait]]);
-  wantEvent(message.view.event);
+  wantEvent(message.view.event, message.n);
   if (message.text !== undefined) {
     const preset = byId("preset");
     const title = message.model.replaceAll("_", " ");
@@ -68,15 +68,30 @@ on("work", (message) => {
     plot.classList.toggle("stale", busy || state === "stale");
   }
   const note = byId(`${task}-note`);
-  if (note && (task === "diagram" || task === "plane")) tellNote(note, task, message);
-  else if (message.message && task !== "drawing") toast(message.message);
+  if (note) tellNote(note, task, message);
+  else if (message.message) toast(message.message);
   showWork();
 });
 
+// What stood of another system, or of a task that has nothing to do, is taken away.
+on("clear", ({ task }) => {
+  const note = byId(`${task}-note`);
+  if (note) note.replaceChildren();
+  const said = byId(`${task}-said`);
+  if (said) Object.assign(said, { textContent: "", title: "", className: "said" });
+  if (task === "motion") chips("modes", []);
+  if (task === "plane") {
+    chips("basins", []);
+    byId("basins").title = "";
+  }
+  if (task === "motion") for (const pane of ["history", "portrait"]) setMarks(pane, []);
+});
+
 function tellNote(note, task, message) {
+  if (message.state === "done" && !message.message) return; // a note of the pieces stays
   note.replaceChildren(message.message ?? "");
-  if (message.state === "limit") {
-    const more = Object.assign(document.createElement("button"), { className: "link", textContent: "Go on" });
+  if (message.go_on) {
+    const more = Object.assign(document.createElement("button"), { className: "link", textContent: message.go_on });
     more.addEventListener("click", () => send({ do: "go on", task }));
     note.append(" ", more);
   }
@@ -92,7 +107,8 @@ function showWork() {
   byId("work").classList.toggle("busy", work.size > 0);
   byId("stop").hidden = long.length === 0;
   const said = long.map(([task, how]) => (how ? `${names[task]}: ${how}` : names[task]));
-  byId("work-text").textContent = said.length ? said.join(", ") : work.size ? "" : "ready";
+  const words = said.length ? said.join(", ") : work.size ? "" : "ready";
+  Object.assign(byId("work-text"), { textContent: words, title: words });
 }
 
 on("piece", (message) => {
@@ -100,18 +116,23 @@ on("piece", (message) => {
   window.explorer.painted[task] = (window.explorer.painted[task] ?? 0) + 1;
   if (work.has(task)) work.set(task, message.said ?? "");
   for (const plot of plotsOf(task)) plot.classList.remove("stale");
+  if (message.remark !== undefined) byId(`${task}-note`).textContent = message.remark;
   if (task === "motion") {
     landed(message.n);
     chips("modes", message.modes);
     const said = byId("motion-said");
     said.textContent = message.said;
-    said.title = `${message.said}\nmodes of the last period: ${message.word}`;
+    said.title = `${message.said}\n${message.title}\nmodes of the last period: ${message.word}`;
     said.className = `said ${message.fine ? "fine" : "doubt"}`;
   } else if (task === "orbit") {
     tellOrbit(message);
   } else if (task === "diagram" || task === "plane") {
-    byId(`${task}-said`).textContent = message.said;
-    if (task === "plane") chips("basins", message.chips);
+    Object.assign(byId(`${task}-said`), { textContent: message.said, title: message.title ?? "" });
+    if (task === "plane" && message.chips.length) {
+      chips("basins", message.chips);
+      byId("plane-said").textContent = ""; // the number of starts gives its room to the shares
+      byId("basins").title = [message.title, ...message.chips.map(([text]) => text)].join("\n");
+    } else if (task === "plane") chips("basins", []);
   }
   requestAnimationFrame(drawAll);
   showWork();
@@ -184,6 +205,9 @@ function toast(text) {
 
 on("refused", (message) => {
   if (message.of !== "text") toast(message.message);
+});
+on("view", (message) => {
+  if (message.by_gesture) byId("toast").hidden = true; // what was wrong has been put right
 });
 
 // ------------------------------------------------------------------ copies and pictures

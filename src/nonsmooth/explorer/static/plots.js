@@ -67,7 +67,7 @@ export function setMarks(pane, list) {
 export function draw(pane) {
   const at = frame(pane);
   if (!at) return;
-  const kinds = new Set(marks[pane].map(([kind]) => kind));
+  const kinds = new Set(marks[pane].filter(([, x]) => x !== null && x !== undefined).map(([kind]) => kind));
   for (const mark of overlay(pane).children) {
     if (!mark.classList.contains("cross") && !kinds.has(mark.className)) mark.hidden = true;
   }
@@ -130,6 +130,9 @@ export function keys(pane, plot) {
 // Ranges change by wheel and pan as well: marks follow them.
 export function follow() {
   for (const pane of Object.keys(marks)) {
+    // the pane is the stop of the Tab key, and not the figure within it
+    const inner = Bokeh.index.find_one(model(pane))?.el;
+    if (inner) inner.tabIndex = -1;
     const { x_range, y_range } = model(pane);
     for (const range of [x_range, y_range]) {
       range.change.connect(() => requestAnimationFrame(() => draw(pane)));

@@ -1,0 +1,57 @@
+"""Messages of the library in the words of the page: fields of the page for options of verbs."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["in_words_of_page", "of_field", "sentence_of"]
+
+# what stands on the page for a field of a view or an option of a verb
+_FIELDS = {
+    "leave_out": "leave out",
+    "length": "show",
+    "between": "from and to",
+    "initial": "the start",
+    "transient": "leave out",
+    "periods": "show",
+    "t_end": "show",
+    "section": "at",
+}
+# advice for a program, and what a visitor can do instead
+_ADVICE = {
+    "; take one of its points instead, as in run.isel(time=-1)": "",
+    "give initial= nearer to it, transient= for a motion that has settled, another period=, or"
+    " word= for the modes that it visits": "start nearer to it, or leave out more of the motion, so"
+    " that it has settled",
+    "or give transient=": "or leave out more of the motion",
+    "follow a branch with continue_orbit, which passes such points": "press Orbit for another value"
+    " nearby, from where the branch passes such points",
+    "the run has reached max_seconds= or max_events=; all until then is kept. For more give larger"
+    " limits, or go on in Python by simulate(system, run, ...) with the result as the start": "the"
+    " motion has taken the work that a page gives to one; for more, copy the script",
+    ", which a longer transient= or regime tells": "",
+}
+_PARAMETER = re.compile(r"parameters\[['\"](\w+)['\"]\]")
+_OF_LINK = re.compile(r"^link: (\w+) = ")
+_OPTION = re.compile(r"\b([a-z_]+)=(?=[\s,;.)]|$)")
+
+
+def in_words_of_page(message: str) -> str:
+    """A message as a visitor reads it, who sees fields of the page and no options of verbs."""
+    for advice, instead in _ADVICE.items():
+        message = message.replace(advice, instead)
+    message = _PARAMETER.sub(r"\1", message)
+    return _OPTION.sub(lambda found: _FIELDS.get(found[1], found[1].replace("_", " ")), message)
+
+
+def of_field(message: str) -> str:
+    """A message about a typed field, which is no link for its visitor."""
+    return _OF_LINK.sub(
+        lambda found: f"{_FIELDS.get(found[1], found[1].replace('_', ' '))} = ",
+        in_words_of_page(message),
+    )
+
+
+def sentence_of(message: str) -> str:
+    """First sentence of a message."""
+    return re.split(r"(?<=[^.]{3})[.;] (?=[A-Z])|\? ", message, maxsplit=1)[0]

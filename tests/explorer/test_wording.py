@@ -1,0 +1,61 @@
+"""Messages of the library say on the page what a visitor can do there."""
+
+import re
+
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.errors import NonsmoothError, RunWarning
+from nonsmooth.explorer.wording import in_words_of_page, of_field, sentence_of
+
+ZENO = """name = "zeno"
+states = ["x", "v"]
+period = "1"
+
+[modes.fly.flow]
+x = "v"
+v = "-1"
+
+[[modes.fly.exits]]
+guard = "x"
+reset = {v = "-0.5*v"}
+"""
+OF_PROGRAMS = re.compile(r"\w=(\W|$)|\[['\"]|\w\.\w+\(")
+
+
+def messages():
+    mole = ns.models.moling()
+    wall = ns.models.impact_oscillator()
+    zeno = ns.System.from_toml(ZENO)
+    with pytest.warns(RunWarning):
+        ended = ns.simulate(zeno, periods=1)
+    with pytest.warns(RunWarning):
+        yield ns.simulate(wall, periods=9, max_events=2).attrs["message"]
+    yield ns.find_orbit(mole.with_parameters(b=0.2), {"p": -50.0}, period=5).attrs["message"]
+    yield ns.bifurcation_diagram(mole, "b", [0.05, 0.06], transient=5, record=8).attrs["message"]
+    for wrong in (
+        lambda: mole.with_parameters(b="nothing"),
+        lambda: mole.with_parameters(xi=-1),
+        lambda: ns.simulate(zeno, ended, periods=1),
+    ):
+        with pytest.raises(NonsmoothError) as told:
+            wrong()
+        yield str(told.value)
+
+
+def test_no_word_for_programs_is_left():
+    found = list(messages())
+    assert any(OF_PROGRAMS.search(message) for message in found)
+    for message in found:
+        assert not OF_PROGRAMS.search(in_words_of_page(message)), in_words_of_page(message)
+
+
+def test_a_field_is_no_link():
+    assert of_field("link: leave_out = 'abc' is not a number") == (
+        "leave out = 'abc' is not a number"
+    )
+
+
+def test_the_first_sentence():
+    assert sentence_of("ended at t = 0.5: why. Do this") == "ended at t = 0.5: why"
+    assert sentence_of("one alone") == "one alone"
