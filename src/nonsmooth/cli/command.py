@@ -163,7 +163,8 @@ class VerbCommand(click.Command):
         except click.MissingParameter as fault:
             if isinstance(fault.param, click.Option):
                 name, form = fault.param.opts[0], str(fault.param.metavar)
-                fault.message = f"Give it in the form {name} {form}."
+                said = f"Give it in the form {name} {form}."
+                raise click.MissingParameter(said, fault.ctx, fault.param) from None
             raise
         except click.NoSuchOption as fault:
             instead = self._instead(fault.option_name)

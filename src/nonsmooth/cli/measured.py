@@ -144,8 +144,12 @@ def _section_report(record: xr.Dataset, points: xr.Dataset, cut_off: int) -> Rep
 
 def _flagged(points: xr.Dataset) -> np.ndarray:
     """Whether points are made of flagged samples, in one of their variables at least."""
-    masks = (quality_of(points, name) for name in map(str, points.data_vars))
-    return np.any([mask > 0 for mask in masks if mask is not None] or [False], axis=0)
+    flagged = np.zeros(points.sizes["point"], bool)
+    for name in map(str, points.data_vars):
+        mask = quality_of(points, name)
+        if mask is not None:
+            flagged |= mask > 0
+    return flagged
 
 
 def _add_variables(report: Report, record: xr.Dataset) -> None:
