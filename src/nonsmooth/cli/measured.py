@@ -144,11 +144,11 @@ def _section_report(record: xr.Dataset, points: xr.Dataset, cut_off: int) -> Rep
 
 def _flagged(points: xr.Dataset) -> np.ndarray:
     """Whether points are made of flagged samples, in one of their variables at least."""
-    flagged = np.zeros(points.sizes["point"], bool)
+    flagged = np.zeros(1, bool)
     for name in map(str, points.data_vars):
         mask = quality_of(points, name)
         if mask is not None:
-            flagged |= mask > 0
+            flagged = flagged | (mask > 0)
     return flagged
 
 
