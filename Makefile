@@ -16,7 +16,7 @@ PIP_INSTALL = $(PIP_INSTALL_TOOLS) --editable
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo chapter test check slow bench docs engine sanitize wheels clean
+.PHONY: help demo chapter test check style slow bench docs engine sanitize wheels clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' Makefile
@@ -30,13 +30,15 @@ chapter: $(ENGINE) ## draw and judge the whole chapter into chapter-output/repor
 test: $(ENGINE) ## run the tests and the examples in docstrings
 	$(BIN)/python -m pytest --numprocesses=$(JOBS)
 
-check: $(ENGINE) ## style, format, types, imports, spelling, house tests
+check: style ## style, format, types, imports, spelling, house tests
+	$(BIN)/python -m pytest tests/house
+
+style: $(ENGINE) ## the same without the house tests, which are among those of make test
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/codespell
-	$(BIN)/python -m pytest tests/house
 
 slow: $(ENGINE) ## run the long checks
 	$(BIN)/python -m pytest --numprocesses=$(JOBS) -m slow

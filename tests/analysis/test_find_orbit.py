@@ -46,6 +46,7 @@ def test_legs_are_those_of_a_run():
     )
 
 
+@pytest.mark.slow
 @given(st.floats(0.6, 1.4))
 def test_without_contact_in_closed_form(share):
     """Admissible exactly where the amplitude stays below the gap; the equations hold both ways."""

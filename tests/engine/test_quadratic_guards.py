@@ -45,6 +45,7 @@ def first_root(x0, u0, y0, v0, w, end):
         )
 
 
+@pytest.mark.slow
 def test_first_crossings_of_a_circle():
     rng = np.random.default_rng(7)
     for _ in range(25):

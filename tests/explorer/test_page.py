@@ -100,6 +100,7 @@ def test_a_wrong_equation_has_its_message_under_the_fault(screen, wall):
     assert not alert.is_visible()
 
 
+@pytest.mark.slow
 def test_another_system_leaves_nothing_of_the_one_before(screen, wall):
     """At rest on the ground, rebounds accumulate at once: there is one point of a motion."""
     screen.open(wall)
@@ -118,6 +119,7 @@ def test_another_system_leaves_nothing_of_the_one_before(screen, wall):
     assert not screen.page.locator(".plot.stale").count()
 
 
+@pytest.mark.slow
 def test_an_empty_editor_is_told_and_a_toast_goes_with_its_cause(screen, wall):
     screen.open(wall)
     field = screen.page.get_by_label("value of r", exact=True)
@@ -154,6 +156,7 @@ def test_a_slider_moves_the_motion_and_its_number(screen, wall):
     assert len(screen.page.evaluate("explorer.timings")) >= 1
 
 
+@pytest.mark.slow
 def test_a_value_that_is_refused_is_told_with_the_reason(screen, wall):
     screen.open(wall)
     field = screen.page.get_by_label("value of r", exact=True)
@@ -182,6 +185,7 @@ def test_a_click_in_the_basin_or_the_portrait_starts_there(screen, wall):
         screen.settle()
 
 
+@pytest.mark.slow
 def test_a_click_in_the_diagram_runs_there(screen, wall):
     screen.open(wall)
     screen.after("motion", lambda: screen.page.mouse.click(*screen.place("diagram", 0.5, 0.5)))
@@ -209,6 +213,7 @@ def test_a_box_is_computed_finer_and_back_leads_back(screen, wall):
     screen.page.wait_for_function(f"location.hash !== '#{first}'")
 
 
+@pytest.mark.slow
 def test_work_is_stopped_by_the_next_gesture_and_by_the_button(screen, wall):
     long = replace(
         next(p for p in presets() if p.model == "rotor").view,
@@ -278,6 +283,7 @@ def test_a_copied_script_gives_the_digits_of_the_page(screen, wall, tmp_path, mo
     )
 
 
+@pytest.mark.slow
 def test_orbit_with_its_multipliers_and_its_branch(screen, mole):
     """The mole at b = 0.15: its orbit of period one, whose branch folds near b = 0.1672."""
     view = replace(mole, between=(0.14, 0.18))
@@ -293,6 +299,7 @@ def test_orbit_with_its_multipliers_and_its_branch(screen, mole):
     screen.page.wait_for_function("!location.hash.includes('turn')")
 
 
+@pytest.mark.slow
 def test_events_one_by_one_say_what_fires_and_why(screen, wall):
     screen.open(wall)
     text = screen.page.locator("#event-text")
@@ -308,7 +315,8 @@ def test_events_one_by_one_say_what_fires_and_why(screen, wall):
     assert text.inner_text() != said
 
 
-@pytest.mark.parametrize("width", [1280, pytest.param(1920, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1280, 1920])
 def test_the_whole_page_works_from_the_keyboard(screen, wall, width):
     screen.page.set_viewport_size({"width": width, "height": 9 * width // 16})
     screen.open(wall)
@@ -342,7 +350,9 @@ def test_the_whole_page_works_from_the_keyboard(screen, wall, width):
     assert from_link(screen.link).between == wall.between
 
 
-@pytest.mark.parametrize(("width", "height"), [(1280, 720), (1920, 1080)])
+@pytest.mark.parametrize(
+    ("width", "height"), [(1280, 720), pytest.param(1920, 1080, marks=pytest.mark.slow)]
+)
 def test_all_panes_have_room_and_nothing_lies_on_anything(screen, mole, width, height):
     screen.page.set_viewport_size({"width": width, "height": height})
     screen.open(mole)
@@ -369,6 +379,7 @@ def test_all_panes_have_room_and_nothing_lies_on_anything(screen, mole, width, h
     assert cut == []
 
 
+@pytest.mark.slow
 def test_a_picture_for_print(screen, wall):
     screen.open(wall)
     with screen.page.expect_download(timeout=90_000) as download:
@@ -386,6 +397,7 @@ def test_a_picture_for_print(screen, wall):
     assert sorted(names) == ["plane.pdf", "plane.png"]
 
 
+@pytest.mark.slow
 def test_a_machine_of_the_list(screen, wall):
     screen.open(wall)
     number = next(k for k, preset in enumerate(presets()) if preset.title == "duffing")

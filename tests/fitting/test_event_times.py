@@ -72,6 +72,7 @@ def test_instants_change_as_differences_say(name):
         assert np.abs(difference - found.columns[:, j]).max() < 1e-6 * largest
 
 
+@pytest.mark.slow
 def test_a_ball_tells_its_coefficient_of_restitution():
     """Bounces of a geometric series; the gravity is that of the first flight too."""
     noise = 1e-3 * np.random.default_rng(1).standard_normal(12)

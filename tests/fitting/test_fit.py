@@ -188,6 +188,7 @@ def is_right(seed):
     return bool(found.attrs["status"] == "completed" and (off < 5.0).all())
 
 
+@pytest.mark.slow
 def test_a_cut_near_an_impact_is_moved():
     """40 periods at a rigid wall with 5 % of noise: some impacts are at the ends of segments."""
     assert is_right(5)
@@ -480,6 +481,7 @@ def test_intervals_cover_as_often_as_they_say():
     assert hits >= least
 
 
+@pytest.mark.slow
 def test_the_noise_of_a_channel_with_few_samples_is_not_too_small():
     """Two channels show one line; the second has eleven samples, by which two unknowns are found.
 

@@ -135,6 +135,7 @@ def field(p, f):
     return rates
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("f", [0.0, 0.1])
 def test_all_regimes_against_scipy(f):
     """Segment by segment between the events, impacts by the law of impulse."""

@@ -40,6 +40,7 @@ def test_shaking_marks_the_strongest_line():
     assert frequency.get_ylabel() == "power density [(m/s^2)²/Hz]"
 
 
+@pytest.mark.slow
 def test_lives_of_two_laws(ax):
     tests = table_3()
     law = ns.fatigue.published_laws()["walker 2024-T3"]
@@ -57,6 +58,7 @@ def test_lives_of_two_laws(ax):
     assert sorted(text.get_text() for text in ax.texts) == sorted(tests["test"].values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fitted", [False, True])
 def test_names_of_tests_are_free(ax, fitted):
     """As drawn: no name on another one, on a point, or beyond the axes."""

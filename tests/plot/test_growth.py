@@ -128,6 +128,7 @@ def test_sections_are_tied_to_where_the_curve_reaches_them(drifting, ax):
     assert len({inset.get_xlim() for inset in ax.child_axes}) == 1
 
 
+@pytest.mark.slow
 def test_insets_do_not_overlap(drifting, ax):
     """For any number of them, and each has room for its title."""
     for count in range(1, 10):

@@ -50,6 +50,7 @@ def test_motion_and_impacts_against_forty_digits(method, nonlinear):
     assert abs(float(x - end[0])) < 2e-12 and abs(float(v - end[1])) < 2e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("w", [0.02, 1.0, 50.0])
 @pytest.mark.parametrize("h", [1e-4, 0.02, 0.7])
 def test_knots_close_and_far_beside_the_oscillation(w, h):

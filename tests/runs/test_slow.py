@@ -253,6 +253,7 @@ def test_an_interrupted_run_keeps_what_it_has(monkeypatch):
     assert run.attrs["status"] == "interrupted" and run.sizes["time"] == 301
 
 
+@pytest.mark.slow
 def test_a_period_takes_the_same_work_however_many_there_are():
     system = run_up("w0 + 0.1*sin(1e-4*t)")
     ns.simulate(system, periods=2)

@@ -43,6 +43,7 @@ def test_arrays_come_back_bit_for_bit(tmp_path):
         assert plain["x"].tobytes() == ARRAYS["x"].tobytes()
 
 
+@pytest.mark.slow
 def test_no_changed_bit_and_no_missing_end_is_taken_for_data(tmp_path):
     path = tmp_path / "a.npz"
     write_arrays(path, ARRAYS)

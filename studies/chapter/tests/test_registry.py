@@ -107,6 +107,7 @@ def test_diagrams_on_a_small_grid(tmp_path):
     assert save_data(data, tmp_path / "fig8.nc").stat().st_size > 0
 
 
+@pytest.mark.slow
 def test_panels_hold_the_printed_forces(tmp_path):
     """Data of Fig. 7: six static forces, tau from 800 to 1200, each with its system."""
     run_figures("fig7", tmp_path)

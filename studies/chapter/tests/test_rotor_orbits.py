@@ -38,6 +38,7 @@ FLIPS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("delta", "period", "begin", "to", "expected"), FLIPS)
 def test_flips(delta, period, begin, to, expected):
     """Where period one and two lose stability, by quite another route."""
@@ -109,6 +110,7 @@ def test_branches_pass_the_known_flips(delta):
     assert abs(x[0, 0] - x[1, 0]) < 0.01 < np.abs(x[0] - x[1])[:-1].max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [0.05, 0.08])
 def test_without_preload_contacts_change_where_they_cross_an_axis(step):
     """A ring without preload is back at once; a contact on the axis changes the springs at work.

@@ -205,6 +205,7 @@ def test_cells_of_what_is_smooth():
         System(states=["x"], modes={"m": Mode({"x": "-x"}, cells={"+": "a"})})
 
 
+@pytest.mark.slow
 def test_too_many_cells(monkeypatch):
     monkeypatch.setattr("nonsmooth.system.cells.cells.MOST_MODES", 64)
     monkeypatch.setattr("nonsmooth.system.compile.structure.MOST_MODES", 120)
