@@ -106,7 +106,7 @@ def test_another_system_leaves_nothing_of_the_one_before(screen, wall):
     screen.open(wall)
     typed(screen, ZENO)
     screen.after("motion", lambda: screen.page.keyboard.press("Control+Enter"))
-    screen.page.wait_for_function("explorer.work.size === 0")
+    screen.settle()
     assert "event_limit" in screen.page.locator("#motion-note").inner_text()
     assert "ended early" in screen.page.locator("#motion-said").inner_text()
     assert "ended early" in screen.page.locator("#diagram-note").inner_text()
@@ -114,7 +114,7 @@ def test_another_system_leaves_nothing_of_the_one_before(screen, wall):
     assert not any(screen.model("diagram", points))
     typed(screen, RIGID)
     screen.after("motion", lambda: screen.page.keyboard.press("Control+Enter"))
-    screen.page.wait_for_function("explorer.work.size === 0")
+    screen.settle()
     assert "no parameter" in screen.page.locator("#diagram-note").inner_text()
     assert not screen.page.locator(".plot.stale").count()
 

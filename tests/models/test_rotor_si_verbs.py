@@ -207,7 +207,7 @@ NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motio
 }  # fmt: skip
 
 
-LONG = {"continue_special", "simulate slowly"}
+SLOW = {"continue_special", "simulate slowly"}
 
 
 def preloads():
@@ -216,7 +216,7 @@ def preloads():
 
 @pytest.mark.filterwarnings("ignore::nonsmooth.ResultWarning")
 @pytest.mark.parametrize(
-    "verb", [pytest.param(each, marks=[pytest.mark.slow] * (each in LONG)) for each in RESULTS]
+    "verb", [pytest.param(each, marks=[pytest.mark.slow] * (each in SLOW)) for each in RESULTS]
 )
 def test_each_number_by_its_scale(verb, tmp_path):
     make, expected = RESULTS[verb]

@@ -110,7 +110,7 @@ def test_ellipses_are_those_of_the_covariance(found):
 
 
 def test_a_corner_has_the_draws_of_bootstrap_and_posterior(found):
-    with pytest.warns(ns.ResultWarning, match="has not converged"):  # long enough to be drawn
+    with pytest.warns(ns.ResultWarning, match="chain is too short"):  # long enough to be drawn
         posterior = ns.posterior(found, draws=20, transient=0)
     panels = panels_by_labels(ns.plot.corner(found, ["k", "c"], posterior=posterior))
     dots = labelled(panels[1, 0], "bootstrap").get_xydata()
