@@ -30,7 +30,7 @@ __all__ = [
 ]
 
 _SAMPLES = 200  # of a shown motion in a period, where that makes no more than
-_MOST_SAMPLES = 8_000
+_MOST_SAMPLES = 2_400  # of a motion: a pane is some hundred pixels wide
 _POINTS = 2_000  # of a section
 _STARTS, _LONGEST, _RECORD = 200, 1_000, 2_000  # of basins: less than the defaults, and quick
 _STEPS = 300  # of a branch
