@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from explorer.typed_systems import RIGID, ZENO
 from nonsmooth.explorer.links import from_link, to_link
 from nonsmooth.explorer.openings import presets
 
@@ -27,30 +28,6 @@ c = "damping [N s/m]"
 [equations]
 x = "v"
 v = "sin(w*t) - c*v - x"
-"""
-
-
-ZENO = """name = "zeno"
-states = ["x", "v"]
-period = "1"
-
-[parameters]
-r = 0.5
-
-[modes.fly.flow]
-x = "v"
-v = "-1"
-
-[[modes.fly.exits]]
-guard = "x"
-reset = {v = "-r*v"}
-"""
-RIGID = """states = ["x", "v"]
-period = "2*pi"
-
-[equations]
-x = "v"
-v = "sin(t) - v - x"
 """
 
 

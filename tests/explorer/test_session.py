@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from explorer.typed_systems import RIGID, ZENO
 from nonsmooth.explorer.links import from_link
 from nonsmooth.explorer.openings import opening
 from nonsmooth.explorer.session import Session
@@ -14,29 +15,6 @@ MOLE = opening("moling")
 
 
 CELLS = {"others": {}, "message": "completed", "seconds": 1.0, "waits": False}  # of basins
-ZENO = """name = "zeno"
-states = ["x", "v"]
-period = "1"
-
-[parameters]
-r = 0.5
-
-[modes.fly.flow]
-x = "v"
-v = "-1"
-
-[[modes.fly.exits]]
-guard = "x"
-reset = {v = "-r*v"}
-name = "hit"
-"""
-RIGID = """states = ["x", "v"]
-period = "2*pi"
-
-[equations]
-x = "v"
-v = "sin(t) - v - x"
-"""
 LINE = """states = ["x"]
 period = "2*pi"
 

@@ -60,6 +60,16 @@ def test_a_straight_line_is_linear_regression(segments):
     assert float(found["interval_low"][0]) == pytest.approx(known.slope - half, abs=0.006 * half)
 
 
+def test_many_segments_become_fewer_and_the_regression_stays():
+    """120 segments would do for 6000 samples; no error grows in them, so half of them are left."""
+    ramp, record = line(count=6000)
+    found = ns.fit(ramp, record, {"k": (-5, 5)}, hold_back=0.0, starts=1)
+    assert found.sizes["segment"] == 60
+    known = stats.linregress(record["time"], record["x"])
+    assert float(found["estimate"][0]) == pytest.approx(known.slope, rel=1e-6)
+    assert float(found["standard_error"][0]) == pytest.approx(known.stderr, rel=1e-3)
+
+
 @pytest.mark.slow
 def test_forty_periods_are_fitted(long_record):
     """From all starts, spread over ranges of a factor of three, to the one optimum."""

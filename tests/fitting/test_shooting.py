@@ -110,3 +110,22 @@ def test_derivatives_agree_with_differences(case, n_segments):
                 # a sample between two positions of an event sees neither derivative
                 apart = np.sort(off.ravel())[-3] if exact is residual else off.max()
                 assert apart < 1e-5 * max(1.0, np.abs(exact).max())
+
+
+@pytest.mark.parametrize(("growth", "left"), [(3.0, 60), (4.0, 120)])
+def test_segments_stay_apart_where_an_error_grows(growth, left):
+    """In one segment it grows by 3, or by 4; in two of them by 9, or by 16, above the limit 10."""
+    system = ns.System(states=["x"], parameters={"k": 1.0}, equations={"x": "k*x"})
+    bounds = np.arange(121) * np.log(growth)
+    times = np.linspace(0.0, bounds[-1], 600)
+    nuisances = {"gain": None, "offset": None, "delay": None}
+    channels = read_channels(system, dataset(times, x=np.sin(times)), {"x": "x"}, nuisances, None)
+    ranges = check_free(system, {"k": (0.9, 1.1)})
+    record = RecordEquations(system, ("k",), channels, times, bounds, 1e-12, may_join=True)
+    shooting = Shooting([record], list(ranges.values()), [""])
+    u = shooting.join(shooting.head_of(np.array([1.0])), np.zeros((120, 1)))
+    found = shooting.evaluate(u, np.full(1, 0.1))
+    kept = shooting.calm_segments(found)
+    assert kept.tolist() == list(range(0, 120, 120 // left))
+    fewer = shooting.join_segments(u, kept)
+    assert (shooting.n_segments, fewer.size, shooting.n_gaps) == (left, left + 1, left - 1)

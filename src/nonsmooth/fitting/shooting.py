@@ -222,17 +222,17 @@ class Shooting:
 
         No more become one than it takes to have few unknowns: short segments lead a search well.
         """
-        kept, longest = [], -(-self.size // _UNKNOWNS)
+        kept: list[int] = []
+        longest = -(-self.size // _UNKNOWNS)
         growth = dict(zip(self.links[:, 0], _UNIT * found.gap_state, strict=True))
         for r, record in enumerate(self.records):
-            first, last = self._first_segment[r], self._first_segment[r + 1]
-            begun, grown = first, np.eye(self.n)
-            kept.append(first)
-            for m in range(first + 1, last):
-                grown = growth[m - 1] @ grown
+            begun, own, grown = -1, np.eye(self.n), np.eye(self.n)
+            for m in range(self._first_segment[r], self._first_segment[r + 1]):
+                own = growth.get(m, own)  # the last one, which ends at no start, as that before
+                grown = own @ grown
                 calm = record.may_join and np.linalg.norm(grown, 2) <= _GROWTH
-                if not calm or m - begun >= longest:
-                    begun, grown = m, np.eye(self.n)
+                if begun < 0 or not calm or m - begun >= longest:
+                    begun, grown = m, own
                     kept.append(m)
         return np.array(kept, np.int64)
 
