@@ -112,6 +112,7 @@ def test_a_worker_that_ends_is_replaced(crew):
 def test_a_closed_crew_takes_no_jobs_and_leaves_no_process():
     crew, ear = Crew(quick=1, slow=1), Ear()
     crew.start()
+    crew.submit(Job("plane", LONG, ear, options=ALL))
     processes = [worker.process for bench in crew.benches.values() for worker in bench.workers]
     crew.close()
     assert crew.submit(Job("motion", MOLE, ear)).cancelled

@@ -245,7 +245,8 @@ def test_a_copied_script_gives_the_digits_of_the_page(screen, wall, tmp_path, mo
     run = names["run"]
     curves = screen.page.evaluate(
         """(() => { const figure = Bokeh.documents[0].get_model_by_name('portrait');
-          return figure.renderers.map((each) => Array.from(each.data_source.data.x ?? [])); })()"""
+          return Array.from(figure.renderers[0].data_source.data.x, (each) => Array.from(each));
+        })()"""
     )
     shown = sorted(x for curve in curves for x in curve if x is not None and not math.isnan(x))
     known = {*run["x"].values.tolist(), *run["state_before"].values[:, 0].tolist()}

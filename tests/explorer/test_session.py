@@ -78,7 +78,7 @@ class Page:
 
 def test_a_page_begins_with_all_tasks_but_the_orbit():
     page = Page()
-    assert set(page.crew.take()) == {"motion", "drawing", "diagram", "plane"}
+    assert set(page.crew.take()) == {"motion", "drawing", "ranges", "diagram", "plane"}
     assert from_link(page.told("view")[0]["link"]) == MOLE
 
 
@@ -150,7 +150,7 @@ def test_another_system_empties_all_panes_at_once():
     page.do(do="text", text=ZENO, settle=False)
     cleared = {task for task, piece in page.shown if piece == "cleared"}
     assert cleared == {message["task"] for message in page.told("clear")}
-    assert cleared == {"motion", "drawing", "orbit", "diagram", "plane"}
+    assert cleared == {"motion", "ranges", "drawing", "orbit", "diagram", "plane"}
 
 
 @pytest.mark.parametrize(
@@ -181,9 +181,28 @@ def test_a_page_without_a_link_is_answered():
 
 
 def test_a_view_says_whether_a_gesture_made_it():
-    page = Page()
+    page = Page(replace(MOLE, region=()))
     page.do(do="value", name="xi", value="0.06", live=True)
+    plane = page.crew.take()["plane"]
+    piece = CELLS | {"cells": 4, "attractors": [], "region": (0.0, 1.0, 0.0, 1.0)}
+    plane.tell("piece", plane, piece)  # the region around the motion becomes that of the view
+    page.settle()
     assert [message["by_gesture"] for message in page.told("view")] == [True, False]
+
+
+def test_ranges_of_sliders_come_when_a_slider_rests():
+    page = Page()
+    page.crew.take()
+    page.do(do="value", name="xi", value="0.06", live=True, settle=False)
+    assert "ranges" not in page.crew.take()
+    page.settle()
+    job = page.crew.take()["ranges"]
+    (piece,) = TASKS["ranges"](job.view)
+    job.tell("piece", job, piece)
+    page.settle()
+    (told,) = [message for message in page.told("piece") if message["task"] == "ranges"]
+    known = {slider["name"]: slider for slider in told["sliders"]}
+    assert known["xi"]["value"] == 0.06 and set(known) <= set(opening("moling").system.parameters)
 
 
 def test_the_shares_of_a_plane_are_of_all_its_starts():

@@ -29,8 +29,8 @@ _OTHERS = {
 _SHOWN = 6  # multipliers that are told
 
 
-def described_view(view: View, *, new_system: bool, live: bool = False) -> dict[str, Any]:
-    """What stands in the controls of a page; ranges of sliders only where none is under way."""
+def described_view(view: View, *, new_system: bool) -> dict[str, Any]:
+    """What stands in the controls of a page; ranges of sliders only for a new system."""
     system = view.system
     variables = [*system.states, *system.outputs]
     rest = system.rest_state
@@ -62,12 +62,11 @@ def described_view(view: View, *, new_system: bool, live: bool = False) -> dict[
             "portrait": [at.get(name) for name in view.portrait],
         },
     }  # fmt: skip
-    if not live:
-        base = system_of(view.model, view.text)
-        found["sliders"] = [asdict(slider) for slider in sliders(system, base)]
     if new_system:
+        base = system_of(view.model, view.text)
         of_motions = [f"{name}_per_period" for name in system.drift_states if system.period]
         found |= {
+            "sliders": [asdict(slider) for slider in sliders(system, base)],
             "text": view.text or system_text(view),
             "states": list(system.states),
             "variables": variables,
@@ -116,6 +115,10 @@ def _motion(view: View, piece: Piece) -> dict[str, Any]:
         "curves": [piece["values"][name] for name in (view.drawn[0], *view.portrait)],
         "axes": [view.drawn[0], *view.portrait],
     }
+
+
+def _ranges(view: View, piece: Piece) -> dict[str, Any]:
+    return {"sliders": [asdict(slider) for slider in piece["sliders"]]}
 
 
 def _drawing(view: View, piece: Piece) -> dict[str, Any]:
@@ -194,6 +197,7 @@ def _complex(value: complex) -> str:
 
 _DESCRIBED = {
     "motion": _motion,
+    "ranges": _ranges,
     "drawing": _drawing,
     "diagram": _diagram,
     "plane": _plane,

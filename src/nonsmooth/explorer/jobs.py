@@ -63,10 +63,14 @@ class Crew:
         }
 
     def start(self) -> None:
-        """Start one worker of each kind, so that they are ready when a page is."""
+        """Start one worker of each kind; the first motion does not wait for the slow ones."""
         with self.lock:
-            for bench in self.benches.values():
-                bench.start_one()
+            self.benches[True].start_one(then=self._start_slow)
+
+    def _start_slow(self) -> None:
+        with self.lock:
+            if not self.closed and not self.benches[False].workers:
+                self.benches[False].start_one()
 
     def submit(self, job: Job) -> Job:
         """Begin a job, or let it wait for the next worker."""
@@ -106,8 +110,8 @@ class _Bench:
         self.workers: list[_Process] = []
         self.waiting: deque[Job] = deque()
 
-    def start_one(self) -> _Process:
-        worker = _Process(self)
+    def start_one(self, then: Callable[[], None] | None = None) -> _Process:
+        worker = _Process(self, then)
         self.workers.append(worker)
         return worker
 
@@ -152,10 +156,10 @@ class _Bench:
 
 
 class _Process:
-    """One worker process, and the thread that hears it."""
+    """One worker process, and the thread that hears it; ``then`` is called when it is ready."""
 
-    def __init__(self, bench: _Bench) -> None:
-        self.bench = bench
+    def __init__(self, bench: _Bench, then: Callable[[], None] | None = None) -> None:
+        self.bench, self.then = bench, then
         self.job: Job | None = None
         self.timer: threading.Timer | None = None
         words = [sys.executable, "-m", "nonsmooth.explorer.worker"]
@@ -209,6 +213,8 @@ class _Process:
         while (message := read_message(self.process.stdout)) is not None:
             if message[0] != "ready":
                 self._tell(*message)
+            elif self.then is not None:
+                self.then()
         self.process.wait()
         for stream in (self.process.stdin, self.process.stdout):
             assert stream is not None

@@ -11,7 +11,7 @@ from nonsmooth.system.system import System
 __all__ = ["Slider", "label_and_unit", "sliders"]
 
 _STEPS = 200  # of a slider
-_HALVINGS = 40  # until an end of what is allowed is known
+_HALVINGS = 14  # until an end of what is allowed is known far better than by a step
 
 
 @dataclass(frozen=True)

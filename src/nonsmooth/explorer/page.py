@@ -1,7 +1,8 @@
 """The page of a visitor as a Bokeh document: figures, a wire each way, and the session between.
 
 Figures are Bokeh's. Controls stand in ``static/page.html`` and talk to the session in messages:
-the page writes JSON into the text of one hidden model, the session answers in the tags of another.
+the page writes JSON into the tags of one model, the session answers in those of another. Both are
+models without a view, so that a message does not lay the page out anew.
 """
 
 from __future__ import annotations
@@ -12,9 +13,10 @@ from collections.abc import Callable
 from importlib.resources import files
 from typing import Any
 
+import bokeh
 from bokeh.document import Document
 from bokeh.events import SelectionGeometry, Tap
-from bokeh.models import Div
+from bokeh.models import ColumnDataSource
 from jinja2 import Template
 
 from nonsmooth.explorer.jobs import Crew
@@ -76,7 +78,7 @@ class _Panes:
 def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Session:
     """Fill a document with a page, which opens with a view."""
     panes = _Panes()
-    to_page, from_page = Div(name="to_page", visible=False), Div(name="from_page", visible=False)
+    to_page, from_page = (ColumnDataSource(name=name) for name in ("to_page", "from_page"))
     count = 0
 
     def send(message: dict[str, Any]) -> None:
@@ -99,14 +101,14 @@ def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Se
     )
     opened = False
 
-    def hear(attr: str, old: str, new: str) -> None:
+    def hear(attr: str, old: list[str], new: list[str]) -> None:
         nonlocal opened
         if not opened:  # the page is there, and says by its link what it shows
             opened = True
             session.open()
-        session.hear(new)
+        session.hear(new[0])
 
-    from_page.on_change("text", hear)
+    from_page.on_change("tags", hear)
     for name, figure in panes.figures().items():
         # before the figure joins the document, which looks for them then
         figure.on_event(Tap, _tapped(session, name))
@@ -147,4 +149,9 @@ def _variables() -> dict[str, Any]:
     groups: dict[str, list[tuple[int, str]]] = {}
     for number, preset in enumerate(presets()):
         groups.setdefault(preset.group, []).append((number, html.escape(preset.title)))
-    return {"presets": groups, "periods": PERIOD_COLOURS, "version": __version__}
+    return {
+        "presets": groups,
+        "periods": PERIOD_COLOURS,
+        "version": __version__,
+        "bokeh_version": bokeh.__version__,
+    }

@@ -26,7 +26,7 @@ from nonsmooth.explorer.wording import in_words_of_page, of_field
 
 __all__ = ["Session"]
 
-_ORDER = ("motion", "drawing", "orbit", "diagram", "plane")
+_ORDER = ("motion", "drawing", "ranges", "orbit", "diagram", "plane")
 _QUIET = 180  # milliseconds after a live gesture until long work begins
 _MOST_STEPS = 200  # back
 _LONGER = 4.0  # times the limit, where the visitor asks to go on
@@ -164,8 +164,8 @@ class Session:
             self.crew.cancel(self.jobs.pop(task, None))
             if task == "motion":
                 self._begin(task, n=n)
-            else:
-                self.keys.pop(task, None)
+            elif task in self.keys:  # it is not stale already
+                self.keys.pop(task)
                 self.results.pop(task, None)
                 self.send({"type": "work", "task": task, "state": "stale"})
         self.waiting += 1
@@ -175,9 +175,7 @@ class Session:
     def _begin_rest(self, turn: int) -> None:
         if turn != self.waiting:  # another gesture has come
             return
-        if self.live:  # a slider rests: what else depends on its place
-            self.live = False
-            self._tell_view(None, new_system=False)
+        self.live = False
         for task in _ORDER[1:]:
             if not self._is_up_to_date(task):
                 self._begin(task)
@@ -260,6 +258,8 @@ class Session:
         view = self.view
         system = (view.model, view.text, view.values)
         motion = (system, calls.motion(view), view.drawn, view.portrait)
+        if task == "ranges":
+            return system
         if task in ("motion", "drawing"):
             return motion
         if task == "orbit":
@@ -281,7 +281,7 @@ class Session:
     ) -> None:
         from nonsmooth.explorer.descriptions import described_view
 
-        message = described_view(self.view, new_system=new_system, live=self.live)
+        message = described_view(self.view, new_system=new_system)
         steps = {"back": bool(self.past), "forward": bool(self.future)}
         self.send(
             {

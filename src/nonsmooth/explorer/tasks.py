@@ -15,9 +15,9 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.explorer import calls
-from nonsmooth.explorer.limits import label_and_unit
+from nonsmooth.explorer.limits import label_and_unit, sliders
 from nonsmooth.explorer.reasons import certificate, event_reasons
-from nonsmooth.explorer.view import View
+from nonsmooth.explorer.view import View, system_of
 from nonsmooth.runs.start import GOES_ON
 
 if TYPE_CHECKING:
@@ -128,6 +128,11 @@ def _events(view: View, run: xr.Dataset, names: list[str]) -> list[dict[str, Any
     for row, reason in zip(rows, event_reasons(view.system, rows), strict=True):
         row |= {"reason": reason, "certificate": certificate(row)}
     return rows
+
+
+def ranges(view: View) -> Iterator[Piece]:
+    """How far each slider may go, beside the present values of all others."""
+    yield {"sliders": sliders(view.system, system_of(view.model, view.text))}
 
 
 def drawing(view: View) -> Iterator[Piece]:
@@ -417,6 +422,7 @@ def picture(
 
 TASKS: dict[str, Callable[..., Iterator[Piece]]] = {
     "motion": motion,
+    "ranges": ranges,
     "drawing": drawing,
     "diagram": diagram,
     "plane": plane,

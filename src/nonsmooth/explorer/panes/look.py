@@ -9,7 +9,6 @@ from bokeh.models import (
     BoxZoomTool,
     PanTool,
     Range1d,
-    ResetTool,
     WheelZoomTool,
 )
 from bokeh.plotting import figure
@@ -43,7 +42,7 @@ def new_figure(name: str, *, boxes: bool) -> Any:
         lod_threshold=None,
     )
     drag = BoxSelectTool(persistent=False) if boxes else BoxZoomTool()
-    plot.add_tools(drag, WheelZoomTool(), PanTool(), ResetTool())
+    plot.add_tools(drag, WheelZoomTool(), PanTool())
     plot.toolbar.active_drag = drag
     for axis in plot.axis:
         axis.axis_label_text_font = axis.major_label_text_font = _FONT
@@ -75,6 +74,4 @@ def axis_text(name: str, label: tuple[str, str], most: int = 30) -> str:
 def fit(axis_range: Any, low: float, high: float, *, room: float = _ROOM) -> None:
     """Let a range hold two ends, with some room beside them."""
     reach = (high - low) * room if high > low else max(abs(high), 1.0) * _ROOM
-    axis_range.update(
-        start=low - reach, end=high + reach, reset_start=low - reach, reset_end=high + reach
-    )
+    axis_range.update(start=low - reach, end=high + reach)

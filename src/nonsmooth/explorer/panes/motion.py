@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, GlyphRenderer, HoverTool
+from bokeh.models import ColumnDataSource, HoverTool
 
 from nonsmooth.explorer.panes.look import INK, QUIET, axis_text, fit, new_figure
 from nonsmooth.explorer.tasks import Piece
@@ -24,41 +24,32 @@ _TIP = """
 """
 
 
-class _ModeLines:
-    """Lines of one figure, made when a mode is first seen and empty where it is not."""
+_NO_LINES: dict[str, list[Any]] = {key: [] for key in ("x", "y", "colour", "width", "dash")}
 
-    def __init__(self, plot: Any, *, dash: str = "solid", width: float = 1.6) -> None:
-        self.plot, self.dash, self.width = plot, dash, width
-        self.lines: dict[tuple[str, str], tuple[ColumnDataSource, GlyphRenderer]] = {}
 
-    def show(self, curves: Mapping[str, Any], colours: Mapping[str, str]) -> None:
-        """Draw curves by the names of their modes; those under no name are jumps."""
-        wanted = {(name, colours.get(name, QUIET)): points for name, points in curves.items()}
-        for key, points in wanted.items():
-            if key not in self.lines:
-                self.lines[key] = self._new(*key)
-            self.lines[key][0].data = {"x": points[0], "y": points[1]}
-        for key, (source, _) in self.lines.items():
-            if key not in wanted and len(source.data["x"]):
-                source.data = {"x": [], "y": []}
+def _new_lines(plot: Any) -> ColumnDataSource:
+    """Lines of all modes in one source, which is one message to the page, as a slider needs."""
+    source = ColumnDataSource(dict(_NO_LINES))
+    plot.multi_line(
+        "x", "y", source=source, line_color="colour", line_width="width", line_dash="dash"
+    )
+    return source
 
-    def clear(self) -> None:
-        """Draw none."""
-        self.show({}, {})
 
-    def _new(self, name: str, colour: str) -> tuple[ColumnDataSource, GlyphRenderer]:
-        source = ColumnDataSource({"x": [], "y": []})
-        jump = not name
-        line = self.plot.line(
-            "x",
-            "y",
-            source=source,
-            line_color=colour,
-            line_width=0.7 if jump else self.width,
-            line_dash="dotted" if jump else self.dash,
-            level="underlay" if jump else "glyph",
-        )
-        return source, line
+def _lines(
+    curves: Mapping[str, Any], colours: Mapping[str, str], *, dash: str = "solid", width: float
+) -> list[tuple[Any, Any, str, float, str]]:
+    """Lines of one variable by the names of their modes, over those under no name: jumps."""
+    order = sorted(curves, key=lambda name: name != "")
+    return [
+        (*curves[name], colours.get(name, QUIET), *((width, dash) if name else (0.7, "dotted")))
+        for name in order
+    ]
+
+
+def _columns(lines: Iterable[tuple[Any, ...]]) -> dict[str, list[Any]]:
+    columns = [list(column) for column in zip(*lines, strict=True)]
+    return dict(zip(_NO_LINES, columns, strict=True)) if columns else dict(_NO_LINES)
 
 
 class HistoryPane:
@@ -66,10 +57,7 @@ class HistoryPane:
 
     def __init__(self) -> None:
         self.plot = new_figure("history", boxes=False)
-        self.lines = [
-            _ModeLines(self.plot, dash=dash, width=1.6 if k == 0 else 1.3)
-            for k, dash in enumerate(_DASHES)
-        ]
+        self.lines = _new_lines(self.plot)
         self.events = ColumnDataSource(dict(_NO_EVENTS))
         marks = self.plot.scatter(
             "x", "y", source=self.events, size=6, line_color=INK, fill_color="fill", line_width=0.8
@@ -78,15 +66,16 @@ class HistoryPane:
 
     def clear(self) -> None:
         """Show no motion."""
-        for lines in self.lines:
-            lines.clear()
+        self.lines.data = dict(_NO_LINES)
         self.events.data = dict(_NO_EVENTS)
 
     def show(self, view: View, piece: Piece) -> None:
         """Show a motion."""
-        empty: list[dict[str, Any]] = [{}] * len(self.lines)
-        for lines, curves in zip(self.lines, [*piece["history"], *empty], strict=False):
-            lines.show(curves, piece["colours"])
+        self.lines.data = _columns(
+            line
+            for k, (curves, dash) in enumerate(zip(piece["history"], _DASHES, strict=False))
+            for line in _lines(curves, piece["colours"], dash=dash, width=1.3 if k else 1.6)
+        )
         rows = piece["events"][1:]  # the first one is the start
         name = view.drawn[0]
         self.events.data = {
@@ -115,7 +104,7 @@ class PortraitPane:
     def __init__(self) -> None:
         self.plot = new_figure("portrait", boxes=False)
         self.plot.xaxis.ticker.desired_num_ticks = 4  # the pane is narrow
-        self.lines = _ModeLines(self.plot)
+        self.lines = _new_lines(self.plot)
         self.orbit = ColumnDataSource({"x": [], "y": []})
         self.orbit_line = self.plot.line(
             "x", "y", source=self.orbit, line_color=INK, line_width=2.2, line_dash="solid"
@@ -123,13 +112,13 @@ class PortraitPane:
 
     def clear(self) -> None:
         """Show no motion."""
-        self.lines.clear()
+        self.lines.data = dict(_NO_LINES)
         self.clear_orbit()
 
     def show(self, view: View, piece: Piece) -> None:
         """Show a motion."""
         x, y = view.portrait
-        self.lines.show(piece["portrait"], piece["colours"])
+        self.lines.data = _columns(_lines(piece["portrait"], piece["colours"], width=1.6))
         for axis_range, name in ((self.plot.x_range, x), (self.plot.y_range, y)):
             values = piece["values"][name]
             fit(axis_range, float(np.nanmin(values)), float(np.nanmax(values)))

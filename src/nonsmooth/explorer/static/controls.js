@@ -7,6 +7,7 @@ const sliders = document.getElementById("sliders");
 const start = document.getElementById("start");
 const made = new Map(); // slider and field of each parameter
 const starts = new Map();
+let typed = {}; // values that are texts
 let flying = null; // number of the gesture of a slider that is under way
 let waiting = null; // the next one
 export const timings = []; // milliseconds from a slider's move to the painted portrait
@@ -21,6 +22,11 @@ function flyOut(gesture) {
     return;
   }
   flying = { number: send(gesture), began: gesture.began };
+}
+
+// Whether the page waits for what a slider asked for.
+export function isMoving() {
+  return flying !== null;
 }
 
 // A slider waits for the picture of its last place before it asks for the next one. A later gesture,
@@ -53,6 +59,7 @@ function makeSlider(slider) {
   value.className = "value";
   const field = document.createElement("input");
   field.setAttribute("aria-label", `value of ${slider.name}`);
+  field.value = typed[slider.name] ?? text(slider.value);
   const unit = Object.assign(document.createElement("span"), { className: "unit", textContent: slider.unit });
   value.append(field, unit);
   row.append(label, range, value);
@@ -71,29 +78,26 @@ function makeSlider(slider) {
   sliders.append(row);
 }
 
-function showSliders(message) {
-  if (!message.sliders) {
-    for (const [name, { range, field }] of made) {
-      if (document.activeElement !== range) range.value = message.values[name];
-      if (document.activeElement !== field) field.value = message.typed[name] ?? text(message.values[name]);
-    }
-    return;
+function showValues(message) {
+  typed = message.typed;
+  for (const [name, { range, field }] of made) {
+    field.classList.remove("wrong");
+    if (document.activeElement !== range) range.value = message.values[name];
+    if (document.activeElement !== field) field.value = typed[name] ?? text(message.values[name]);
   }
-  const names = message.sliders.map((slider) => slider.name);
+}
+
+function showSliders(sliders_) {
+  const names = sliders_.map((slider) => slider.name);
   if (names.join() !== [...made.keys()].join()) {
     sliders.replaceChildren();
     made.clear();
-    message.sliders.forEach(makeSlider);
+    sliders_.forEach(makeSlider);
   }
-  for (const slider of message.sliders) {
-    const { range, field } = made.get(slider.name);
-    field.classList.remove("wrong");
+  for (const slider of sliders_) {
+    const { range } = made.get(slider.name);
     Object.assign(range, { min: slider.low, max: slider.high, step: slider.step });
     if (document.activeElement !== range || flying === null) range.value = slider.value;
-    if (document.activeElement !== field) {
-      const typed = message.typed[slider.name];
-      field.value = typed !== undefined ? typed : text(slider.value);
-    }
     range.setAttribute("aria-valuetext", `${text(slider.value)} ${slider.unit}`.trim());
   }
 }
@@ -146,7 +150,8 @@ function fillLists(message) {
 on("view", (message) => {
   if (!message.moves && message.n !== null) landed(message.n, false);
   if (message.text !== undefined) fillLists(message);
-  showSliders(message);
+  if (message.sliders) showSliders(message.sliders);
+  showValues(message);
   showStart(message);
   for (const field of document.querySelectorAll("[data-field]")) {
     if (field !== document.activeElement || field.tagName === "SELECT") {
@@ -164,6 +169,10 @@ on("view", (message) => {
   document.getElementById("unit-of-length").textContent = message.unit_of_length;
   const orbit = document.getElementById("orbit");
   orbit.setAttribute("aria-pressed", String(message.view.turn !== 0));
+});
+
+on("piece", (message) => {
+  if (message.task === "ranges") showSliders(message.sliders);
 });
 
 on("work", (message) => {

@@ -1,6 +1,7 @@
 // The machine in motion, its clock, and the events one by one.
 
 import { on, send } from "./wire.js";
+import { isMoving } from "./controls.js";
 import { setMarks } from "./plots.js";
 
 const canvas = document.getElementById("machine");
@@ -10,6 +11,7 @@ const note = document.getElementById("machine-note");
 const play = document.getElementById("play");
 const eventText = document.getElementById("event-text");
 const seconds = 12; // of the clock on the wall for the whole motion
+const pause = 30; // milliseconds at least from one picture of the machine to the next
 const calm = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 let drawing = null;
@@ -18,6 +20,7 @@ let marks = { portrait: [], history: [] };
 let playing = !calm;
 let time = 0;
 let last = null;
+let size = [0, 0]; // of the canvas in pixels of the page
 let chosen = -1;
 let asked = 0; // number of the last gesture that chose an event
 let wanted = -1; // event of the view, which may be known before the motion is
@@ -59,7 +62,7 @@ function showTime() {
 function paint() {
   const context = canvas.getContext("2d");
   const scale = window.devicePixelRatio || 1;
-  const { clientWidth: width, clientHeight: height } = canvas;
+  const [width, height] = size; // to ask the canvas would lay the page out anew
   if (canvas.width !== width * scale || canvas.height !== height * scale) {
     canvas.width = width * scale;
     canvas.height = height * scale;
@@ -124,7 +127,10 @@ function paintShape(context, shape, frame, toX, toY) {
 }
 
 function tick(now) {
-  if (playing && motion && motion.time.length > 1) {
+  requestAnimationFrame(tick);
+  if (last !== null && now - last < pause) return;
+  // time stands still under a slider that moves, so that one sees what the slider changes
+  if (playing && motion && motion.time.length > 1 && !isMoving()) {
     const times = motion.time;
     const length = times[times.length - 1] - times[0];
     if (last !== null) time += (Math.min(now - last, 100) / 1000 / seconds) * length;
@@ -133,7 +139,6 @@ function tick(now) {
     showTime();
   }
   last = now;
-  requestAnimationFrame(tick);
 }
 
 export function setPlaying(on_) {
@@ -227,6 +232,9 @@ clock.addEventListener("input", () => {
   time = times[0] + (clock.value / 1000) * (times[times.length - 1] - times[0]);
   showTime();
 });
-new ResizeObserver(paint).observe(canvas);
+new ResizeObserver(([{ contentRect: { width, height } }]) => {
+  size = [width, height];
+  paint();
+}).observe(canvas);
 setPlaying(playing);
 requestAnimationFrame(tick);

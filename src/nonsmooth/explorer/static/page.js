@@ -8,7 +8,7 @@ import { startMark, stepEvent, togglePlay, wantEvent } from "./machine.js";
 const byId = (id) => document.getElementById(id);
 const work = new Map();
 const names = {
-  motion: "motion", drawing: "drawing", orbit: "orbit", diagram: "diagram", plane: "basins",
+  motion: "motion", ranges: "sliders", drawing: "drawing", orbit: "orbit", diagram: "diagram", plane: "basins",
   picture: "picture",
 };
 let link = "";

@@ -5,14 +5,15 @@ import { model, send } from "./wire.js";
 
 const marks = { history: [], portrait: [], diagram: [], plane: [] };
 const crosses = {};
+const views = {}; // of Bokeh's figures, and what lies over them
+const overlays = {};
 const step = 0.02; // of the frame, for an arrow key; five times that with Shift
 const box = 0.25; // half of a box around the cross
 
 function frame(pane) {
-  const figure = model(pane);
-  const view = figure && Bokeh.index.find_one(figure);
-  if (!view?.frame) return null;
-  const bounds = view.frame.bbox;
+  views[pane] ??= Bokeh.index.find_one(model(pane));
+  if (!views[pane]?.frame) return null;
+  const { frame: { bbox: bounds }, model: figure } = views[pane];
   return { figure, left: bounds.left, top: bounds.top, width: bounds.width, height: bounds.height };
 }
 
@@ -24,14 +25,11 @@ function place(at, x, y) {
 }
 
 function overlay(pane) {
-  const plot = document.querySelector(`[data-pane="${pane}"]`);
-  let found = plot.querySelector(".overlay");
-  if (!found) {
-    found = document.createElement("div");
-    found.className = "overlay";
-    plot.append(found);
+  if (!overlays[pane]) {
+    overlays[pane] = Object.assign(document.createElement("div"), { className: "overlay" });
+    document.querySelector(`[data-pane="${pane}"]`).append(overlays[pane]);
   }
-  return found;
+  return overlays[pane];
 }
 
 function element(pane, kind) {
@@ -49,13 +47,10 @@ function put(pane, kind, at, right, down) {
   const mark = element(pane, kind);
   const inside = right >= 0 && right <= 1 && (kind === "rule" || (down >= 0 && down <= 1));
   mark.hidden = !inside;
-  mark.style.left = `${at.left + right * at.width}px`;
-  if (kind === "rule") {
-    mark.style.top = `${at.top}px`;
-    mark.style.height = `${at.height}px`;
-  } else {
-    mark.style.top = `${at.top + down * at.height}px`;
-  }
+  // a transform moves a mark without a new layout of the page
+  const top = kind === "rule" ? at.top : at.top + down * at.height;
+  mark.style.transform = `translate(${at.left + right * at.width}px, ${top}px)`;
+  if (kind === "rule") mark.style.height = `${at.height}px`;
 }
 
 // Marks of a pane: [kind, x, y] in the units of its axes.

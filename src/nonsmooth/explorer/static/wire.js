@@ -1,5 +1,5 @@
-// Messages between the page and its session: JSON in the text of one hidden model, answers in the
-// tags of another. Bokeh carries both, and arrays come as typed arrays.
+// Messages between the page and its session: JSON in the tags of one model, answers in the tags of
+// another. Bokeh carries both, and arrays come as typed arrays.
 
 let outgoing = null;
 export const gestures = { sent: 0, heard: 0 }; // equal where nothing is on its way
@@ -12,7 +12,7 @@ export function on(type, listener) {
 
 export function send(gesture) {
   gestures.sent += 1;
-  outgoing.text = JSON.stringify({ ...gesture, n: gestures.sent });
+  outgoing.tags = [JSON.stringify({ ...gesture, n: gestures.sent })];
   return gestures.sent;
 }
 

@@ -127,6 +127,8 @@ def _check_finite(system: EvaluatedSystem) -> None:
     """Every coefficient is a finite number for the present parameters."""
     structure = system.structure
     values = structure.coefficient_values.values(system.parameter_values)
+    if all(map(math.isfinite, values)):  # nearly always, and a slider asks often
+        return
     for (where, coefficient), value in zip(structure.coefficients, values, strict=True):
         if not math.isfinite(value):
             raise ModelError(
