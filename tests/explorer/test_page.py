@@ -142,6 +142,12 @@ def test_a_value_that_is_refused_is_told_with_the_reason(screen, wall):
     screen.page.locator("#toast").wait_for()
     assert "an impact cannot feed energy in" in screen.page.locator("#toast").inner_text()
     assert dict(from_link(screen.link).values) == {}
+    leave_out = screen.page.get_by_label("leave out")
+    leave_out.fill("100000")
+    leave_out.press("Enter")
+    screen.page.locator('[data-field="leave_out"].wrong').wait_for()
+    screen.after("motion", lambda: leave_out.fill("20") or leave_out.press("Enter"))
+    assert not screen.page.locator("input.wrong").count()  # what was refused before, neither
 
 
 def test_a_click_in_the_basin_or_the_portrait_starts_there(screen, wall):

@@ -8,6 +8,7 @@ const start = document.getElementById("start");
 const made = new Map(); // slider and field of each parameter
 const starts = new Map();
 let typed = {}; // values that are texts
+const asked = new Map(); // field that a gesture came from, by the number of the gesture
 let flying = null; // number of the gesture of a slider that is under way
 let waiting = null; // the next one
 export const timings = []; // milliseconds from a slider's move to the painted portrait
@@ -22,6 +23,16 @@ function flyOut(gesture) {
     return;
   }
   flying = { number: send(gesture), began: gesture.began };
+}
+
+// A field whose value is refused is marked until the page shows a view again.
+function sendFrom(field, gesture) {
+  asked.set(send(gesture), field);
+}
+
+function clearMarks(number) {
+  for (const field of document.querySelectorAll("input.wrong")) field.classList.remove("wrong");
+  for (const earlier of [...asked.keys()]) if (earlier <= number) asked.delete(earlier);
 }
 
 // Whether the page waits for what a slider asked for.
@@ -72,7 +83,7 @@ function makeSlider(slider) {
   });
   range.addEventListener("change", () => flyOut(gesture(false)));
   field.addEventListener("change", () => {
-    send({ do: "value", name: slider.name, value: field.value });
+    sendFrom(field, { do: "value", name: slider.name, value: field.value });
   });
   made.set(slider.name, { row, range, field });
   sliders.append(row);
@@ -81,7 +92,6 @@ function makeSlider(slider) {
 function showValues(message) {
   typed = message.typed;
   for (const [name, { range, field }] of made) {
-    field.classList.remove("wrong");
     if (document.activeElement !== range) range.value = message.values[name];
     if (document.activeElement !== field) field.value = typed[name] ?? text(message.values[name]);
   }
@@ -122,7 +132,6 @@ function showStart(message) {
     }
   }
   for (const [name, field] of starts) {
-    field.classList.remove("wrong");
     field.value = text(message.start[name]);
   }
 }
@@ -148,6 +157,7 @@ function fillLists(message) {
 }
 
 on("view", (message) => {
+  if (message.by_gesture) clearMarks(message.n);
   if (!message.moves && message.n !== null) landed(message.n, false);
   if (message.text !== undefined) fillLists(message);
   if (message.sliders) showSliders(message.sliders);
@@ -157,7 +167,6 @@ on("view", (message) => {
     if (field !== document.activeElement || field.tagName === "SELECT") {
       field.value = message.view[field.dataset.field];
     }
-    field.classList.remove("wrong");
   }
   for (const list of document.querySelectorAll("[data-list]")) {
     list.value = message[list.dataset.list][list.dataset.place] ?? "";
@@ -181,13 +190,13 @@ on("work", (message) => {
 });
 
 on("refused", (message) => {
-  if (message.of === "value") made.get(message.name)?.field.classList.add("wrong");
+  asked.get(message.n)?.classList.add("wrong");
   landed(message.n, false);
 });
 
 for (const field of document.querySelectorAll("[data-field]")) {
   field.addEventListener("change", () => {
-    send({ do: "set", fields: { [field.dataset.field]: field.value } });
+    sendFrom(field, { do: "set", fields: { [field.dataset.field]: field.value } });
   });
 }
 for (const list of document.querySelectorAll("[data-list]")) {
@@ -201,7 +210,7 @@ for (const field of document.querySelectorAll("[data-between]")) {
   field.addEventListener("change", () => {
     const ends = [...document.querySelectorAll("[data-between]")];
     const values = ends.sort((a, b) => a.dataset.between - b.dataset.between).map((each) => each.value);
-    send({ do: "set", fields: { between: values.join(","), height: "" } });
+    sendFrom(field, { do: "set", fields: { between: values.join(","), height: "" } });
   });
 }
 document.getElementById("rest").addEventListener("click", () => send({ do: "start", states: {} }));
