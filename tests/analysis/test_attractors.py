@@ -323,3 +323,22 @@ def test_a_set_that_converges_too_slowly_comes_with_a_cure():
     assert said.startswith("1 of 1 attractors are aperiodic with an exponent below zero")
     assert "raise longest= and record=" in said
     assert search_message("starts", 0, 0, []) == "completed"
+
+
+def test_a_cycle_that_is_reached_slowly_is_found() -> None:
+    """The mole beside its flip: starts come nearer by 0.9989 a turn, as Newton's method tells."""
+    mole = ns.models.moling(b=0.11)
+    orbit = ns.find_orbit(mole, period=2, transient=10_000)
+    rate = float(abs(orbit["multipliers"][0]))
+    record = 600
+    assert 0.2 < rate ** (record / 2) < 1.0  # so the record alone shows no cycle
+    found = ns.attractors(
+        mole,
+        {"p": (-60.0, 1.0), "y": (-3.0, 8.0)},
+        completion={"q": "max(0, p - g)"},
+        samples=8,
+        record=record,
+        longest=3000,
+    )
+    assert found["period"].values.tolist() == [2] and found["fraction"].values == [1.0]
+    assert float(found["multiplier_real"][0, 0]) == pytest.approx(rate, rel=1e-6)

@@ -116,10 +116,11 @@ def attractors(
     spread down tell a ball around its points from which motions converge. Later lanes belong to it
     when they enter three of these balls in order and then come nearer to it. A motion that does not
     repeat in ``record`` iterates is a set; lanes belong to it after 100 visits to its cells, of
-    which each miss takes back ten. Sets that share half of their cells are one attractor. Longer
-    transients than ``record`` are taken for attractors. A cycle with a multiplier next to the unit
-    circle, and a motion whose points still draw together in the last quarter of ``record``, are
-    none.
+    which each miss takes back ten. Sets that share half of their cells are one attractor. A motion
+    that is not chaotic, or whose points still draw together in the last quarter of ``record``, may
+    be on its way to a cycle: it runs on, up to 16 times as long. If it still draws together then,
+    it is no attractor, and neither is a cycle with a multiplier next to the unit circle. Chaos that
+    lasts longer than ``record`` is taken for an attractor.
 
     References
     ----------

@@ -72,6 +72,7 @@ _RETURNS, _NEW = 100, 0.05  # a lane recurs where at most this part of its last 
 _LOOK = 2048  # images among which a period is looked for
 _SAME_SET = 0.5  # part of the points of a set in the cells of another: sets that differ have none
 _INNER, _STILL = 5.0, 0.99  # percentile; spread of points that stay, beside that before
+_LONGER, _RUN_ON = 4, 16  # times the record, for a motion that may be on its way to a cycle
 _SAME_CYCLE = 1e-5  # beside the scale
 _LOW, _HIGH = 1.0, 99.0  # percentiles between which states spread; single lanes may be far off
 _GROWS = 2.0  # factor by which lanes on their way to infinity grow at least
@@ -352,33 +353,39 @@ class AttractorSearch:
     def _analyse(self, state: Floats, mode: int, stop: threading.Event | None) -> tuple[int, bool]:
         """Number of the attractor on which a point lies, and whether it is a new one.
 
-        Zero where it is none: the motion ended, or stays on a cycle that is not stable.
+        Zero where it is none: the motion ended, or stays on a cycle that is not stable. A motion
+        that may settle slowly runs on, because its cycle then takes the lanes behind it.
         """
         lane = self.runner.start(state[None], np.array([SAME - mode]))
         visits, done = new_visits(1), 0
-        points, modes = [], []
+        points, modes = np.zeros((0, len(state))), np.zeros(0, np.int64)
         marks = self.known.landmarks()
         tested = 0  # images among which a period was looked for
-        while done < self.record:
-            images, image_modes = self.runner.iterate(lane, min(_LARGEST, self.record - done), stop)
+        end = self.record
+        while True:
+            images, image_modes = self.runner.iterate(lane, min(_LARGEST, end - done), stop)
             if lane.status[0] != Status.COMPLETED:
                 return UNSETTLED, False
             visit(images, 1, marks, visits)
             confirm_visits(self.runner, lane, images[:, -1], self.known.cycles(), visits)
             if visits.label[0] > 0:
                 return int(visits.label[0]), False
-            points.append(images[0])
-            modes.append(image_modes[0])
+            points = np.concatenate([points, images[0]])[-self.record :]
+            modes = np.concatenate([modes, image_modes[0]])[-self.record :]
             done += images.shape[1]
-            if done >= 2 * tested or done >= self.record:
+            if done >= 2 * tested or done >= end:
                 tested = done
-                found, exactly = self._cycle(np.concatenate(points), modes[-1])
+                found, exactly = self._cycle(points, modes)
                 if found is not None and found.stable:
                     return self._with_cycle(found)
                 # a start may lie on an unstable cycle, or come to it along a symmetry
                 if found is not None and (exactly or done >= self.record):
                     return UNSETTLED, False
-        return self._with_set(np.concatenate(points), np.concatenate(modes))
+            if done >= end:
+                answer = self._with_set(points, modes, is_last=end >= _RUN_ON * self.record)
+                if answer is not None:
+                    return answer
+                end *= _LONGER
 
     def _cycle(self, points: Floats, modes: Integers) -> tuple[Attractor | None, bool]:
         """Cycle that the last points repeat, refined, and whether they do so to rounding."""
@@ -396,8 +403,13 @@ class AttractorSearch:
         same = self.known.same_cycle(found, _SAME_CYCLE)
         return (same, False) if same else (self.known.add(found), True)
 
-    def _with_set(self, points: Floats, modes: Integers) -> tuple[int, bool]:
-        """A set that does not repeat, joined to the one in whose cells it lies."""
+    def _with_set(
+        self, points: Floats, modes: Integers, *, is_last: bool
+    ) -> tuple[int, bool] | None:
+        """A set that does not repeat, joined to the one in whose cells it lies.
+
+        None where a longer motion may tell more: a way to a cycle that takes long is no set.
+        """
         half = len(points) // 2
         owners = self.known.owners(points[half:])
         shares = np.bincount(owners, minlength=1) / len(owners)
@@ -406,10 +418,15 @@ class AttractorSearch:
             number = int(shares.argmax())
             self.known.add_cells(self.known.measure.keys(points[half:]), number)
             return number, False
+        shrinks = self._shrinks(points)
+        if shrinks and not is_last:
+            return None
         found = kind_of_set(self.runner, points, modes, self.drifting)
-        if found.kind != "chaotic" and self._shrinks(points):
-            return UNSETTLED, False
-        return self.known.add(found), True
+        if found.kind == "chaotic":
+            return self.known.add(found), True
+        if not is_last:
+            return None
+        return (UNSETTLED, False) if shrinks else (self.known.add(found), True)
 
     def _shrinks(self, points: Floats) -> bool:
         """Whether points still draw together, as on the slow way to a cycle."""
