@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.basins_of_attraction import basins_of_attraction
     from nonsmooth.analysis.best_point import best_point
     from nonsmooth.analysis.bifurcation_diagram import bifurcation_diagram
+    from nonsmooth.analysis.bifurcation_picture import bifurcation_picture
     from nonsmooth.analysis.box_dimension import box_dimension
     from nonsmooth.analysis.contact_statistics import contact_statistics
     from nonsmooth.analysis.continue_orbit import continue_orbit
@@ -88,6 +89,7 @@ __all__ = [
     "basins_of_attraction",
     "best_point",
     "bifurcation_diagram",
+    "bifurcation_picture",
     "box_dimension",
     "contact_statistics",
     "continuation",
@@ -149,6 +151,7 @@ _HOME = {
     "basins_of_attraction": "nonsmooth.analysis.basins_of_attraction",
     "best_point": "nonsmooth.analysis.best_point",
     "bifurcation_diagram": "nonsmooth.analysis.bifurcation_diagram",
+    "bifurcation_picture": "nonsmooth.analysis.bifurcation_picture",
     "box_dimension": "nonsmooth.analysis.box_dimension",
     "contact_statistics": "nonsmooth.analysis.contact_statistics",
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",

@@ -169,3 +169,22 @@ def test_a_fold_just_before_a_graze_is_found():
     assert folds[2] == pytest.approx(8.160295712253212, abs=1e-12)
     graze = values[kinds == "grazing"]
     assert np.min(np.abs(graze - folds[2])) == pytest.approx(1.479e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("start", [0.0, 1e-20, 1e-14, 1e-9])
+def test_a_motion_at_rest_at_zero_is_followed(start):
+    """Nothing has a size there; x -> -r x + x**3 flips where r = 1."""
+    kick = ns.Exit("cos(2*pi*t)", to="late", reset={"x": "-r*x + x**3"}, name="kick")
+    kicked = ns.System(
+        states=["x"],
+        period=1.0,
+        parameters={"r": 0.9},
+        modes={
+            "early": ns.Mode({"x": "0"}, exits=[kick]),
+            "late": ns.Mode({"x": "0"}, exits=[ns.Exit("-cos(2*pi*t)", to="early")]),
+        },
+    )
+    branch = ns.continue_orbit(kicked, "r", (0.8, 1.3), initial={"x": start})
+    assert (branch["r"].min(), branch["r"].max()) == (0.8, 1.3)
+    flip = branch["special_value"].values[branch["special_kind"].values == "flip"]
+    assert flip == pytest.approx([1.0], abs=1e-12)

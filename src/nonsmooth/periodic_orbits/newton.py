@@ -23,6 +23,7 @@ _ROUNDING = 1e-14  # residual that no step makes smaller
 _CLOSED = 1e-10  # residual, beside the states, of a solution
 _FURTHER = 4  # steps of an orbit that is found already
 _BACKWARDS = 0.05  # part of the turn by which a leg may last less than nothing on the way
+_ZERO = 1e-15  # states below which an orbit is one at rest at zero
 _SINGULAR = 1e-15  # reciprocal condition of the scaled Jacobian
 
 
@@ -110,7 +111,9 @@ def scale_of(equations: OrbitEquations, unknowns: Floats) -> Floats:
     turn = equations.unpack(unknowns)
     states = turn.states - np.where(equations.drifting, turn.states[0], 0.0)
     size = np.abs(states).max(axis=0)
-    size = np.where(size > 1e-6 * size.max(), size, max(float(size.max()), 1e-12))
+    largest = float(size.max())
+    # an orbit at rest at zero has no size of its own
+    size = np.where(size > max(1e-6 * largest, _ZERO), size, largest if largest > _ZERO else 1.0)
     length = abs(float(turn.instants[-1] - turn.instants[0]))
     return np.concatenate(
         [np.tile(size, len(equations.word)), np.full(equations.n_instants, length)]

@@ -32,6 +32,7 @@ from nonsmooth.plot.multipliers import multipliers
 from nonsmooth.plot.orbits import orbit
 from nonsmooth.plot.parameter_pairs import corner
 from nonsmooth.plot.periodic_orbits import orbit_history, periodic_orbit
+from nonsmooth.plot.pictures import bifurcation_picture
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.portrait_stack import phase_portrait_3d
 from nonsmooth.plot.record_quality import quality
@@ -56,6 +57,7 @@ __all__ = [
     "axis_label",
     "basins",
     "bifurcation",
+    "bifurcation_picture",
     "branch",
     "cobweb",
     "comparison",

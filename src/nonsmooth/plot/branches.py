@@ -37,11 +37,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-__all__ = ["branch"]
+__all__ = ["KIND_STYLES", "branch", "draw_curve"]
 
 Branches: TypeAlias = "xr.Dataset | Sequence[xr.Dataset] | Mapping[str, xr.Dataset]"
 
-_STYLES: dict[int, tuple[str, dict[str, Any]]] = {
+KIND_STYLES: dict[int, tuple[str, dict[str, Any]]] = {
     STABLE: ("stable", {"linestyle": "-", "linewidth": 1.1}),
     UNSTABLE: ("unstable", {"linestyle": (0, (4.0, 1.6)), "linewidth": 1.1}),
     INADMISSIBLE: ("inadmissible", {"linestyle": (0, (1.0, 1.4)), "linewidth": 1.2}),
@@ -174,7 +174,7 @@ def branch(
             points.between(up),
         )
         curve = branch_curve(one, (across, up), points, places)
-        _draw(curve, ax, colours[name], drawn + k)
+        draw_curve(curve, ax, colours[name], drawn + k)
         labels.append((x_label, y_label))
         marks.append((points.kinds_shown(one), *places))
     _explain(ax, colours)
@@ -211,7 +211,7 @@ def _is_branch(line: Any) -> bool:
     return str(line.get_gid() or "").startswith("branch ")
 
 
-def _draw(curve: BranchCurve, ax: Axes, colour: str, number: int) -> None:
+def draw_curve(curve: BranchCurve, ax: Axes, colour: str, number: int) -> None:
     """One line per kind of orbit, broken where orbits are of another kind.
 
     The first branch is in front: others may end on it, as an orbit run through twice.
@@ -220,7 +220,7 @@ def _draw(curve: BranchCurve, ax: Axes, colour: str, number: int) -> None:
     if curve.x.size == 1:  # no line leads anywhere
         ax.plot(curve.x, curve.y, marker=".", color=colour, linestyle="none", gid=gid)
     points = np.stack([curve.x, curve.y])
-    for kind, (name, style) in _STYLES.items():
+    for kind, (name, style) in KIND_STYLES.items():
         line = broken(points, curve.ways(kind))
         if line.size:
             ax.plot(*line, color=colour, **style, zorder=front, label=f"_{name}", gid=gid)
@@ -232,7 +232,7 @@ def _explain(ax: Axes, colours: Mapping[str, str]) -> None:
     drawn = {line.get_label() for line in ax.lines if _is_branch(line)}
     # black may be the colour of a branch
     neutral = "0.5" if len(colours) > 1 else "black"
-    for name, style in _STYLES.values():
+    for name, style in KIND_STYLES.values():
         if f"_{name}" in drawn and name not in known:
             ax.plot([], [], color=neutral, **style, label=name)
     for name, colour in colours.items():

@@ -59,9 +59,8 @@ _MOST_ITERATES = 200_000  # of all starts of a trial
 _TRANSIENT = 1e-3  # growth of starts before they shrink is made good by turns that shrink them so
 _STANDARD_ERRORS = 3.0  # above which a largest exponent is taken to be positive
 _TOGETHER = 4  # iterates in a step of the exponent; more may span more digits than there are
-_EXPONENT_STEPS, _TURNING = 1000, 10
-# A smaller exponent is none: its growth over all steps, e**3, may come from a torus as well.
-_NEUTRAL = 3.0 / (_TOGETHER * _EXPONENT_STEPS)
+_TURNING = 10  # steps in which the direction turns to the fastest
+_NEUTRAL = 3.0  # logarithm of the growth over all steps that may come from a torus as well
 _POINTS = 3  # of a long cycle that are tried
 
 # labels of lanes that come to no attractor
@@ -94,11 +93,12 @@ class SearchOptions:
     record: int
     match: float
     tolerance: float
+    exponent_steps: int = 1000  # of the largest exponent of a set
 
     @property
     def options(self) -> dict[str, Any]:
         """As attributes of a result."""
-        return dict(vars(self))
+        return {name: value for name, value in vars(self).items() if name != "exponent_steps"}
 
 
 def read_search(
@@ -193,7 +193,7 @@ def _ends(
 
 
 def kind_of_set(
-    runner: Any, points: Floats, modes: Integers, drifting: npt.NDArray[np.bool_]
+    runner: Any, points: Floats, modes: Integers, drifting: npt.NDArray[np.bool_], steps: int
 ) -> Attractor:
     """A set of points that does not repeat, with its largest exponent."""
     found = Attractor(
@@ -202,17 +202,17 @@ def kind_of_set(
         period=0,
         drift=np.where(drifting, (points[-1] - points[0]) / max(1, len(points) - 1), 0.0),
     )
-    exponent, error = _largest_exponent(runner, points[-1], int(modes[-1]), drifting)
-    kind = "aperiodic"
-    if exponent > max(_STANDARD_ERRORS * error, _NEUTRAL):
+    exponent, error = _largest_exponent(runner, points[-1], int(modes[-1]), drifting, steps)
+    kind, neutral = "aperiodic", _NEUTRAL / (_TOGETHER * steps)
+    if exponent > max(_STANDARD_ERRORS * error, neutral):
         kind = "chaotic"
-    elif abs(exponent) <= _NEUTRAL:
+    elif abs(exponent) <= neutral:
         kind = "quasi-periodic"
     return replace(found, kind=kind, exponent=exponent, exponent_error=error)
 
 
 def _largest_exponent(
-    runner: Any, state: Floats, mode: int, drifting: npt.NDArray[np.bool_]
+    runner: Any, state: Floats, mode: int, drifting: npt.NDArray[np.bool_], steps: int
 ) -> tuple[float, float]:
     """Largest exponent per iterate of the states that do not drift, with its standard error.
 
@@ -222,7 +222,7 @@ def _largest_exponent(
     free = np.ix_(~drifting, ~drifting)
     direction = np.random.default_rng(0).standard_normal(int(np.sum(~drifting)))
     growth = []
-    for _ in range(_EXPONENT_STEPS):
+    for _ in range(steps):
         found = runner.images(state, mode, _TOGETHER)
         if found is None:
             return np.nan, np.nan
@@ -284,10 +284,12 @@ class AttractorSearch:
         match: float,
         longest: int,
         record: int,
+        exponent_steps: int = 1000,
         tell: Callable[[int], None] = lambda _: None,
     ) -> None:
         self.runner, self.known, self.drifting = runner, known, drifting
         self.match, self.longest, self.record = match, longest, record
+        self.exponent_steps = exponent_steps
         self._tell = tell  # how many lanes have come to their end
 
     def settle(
@@ -421,7 +423,7 @@ class AttractorSearch:
         shrinks = self._shrinks(points)
         if shrinks and not is_last:
             return None
-        found = kind_of_set(self.runner, points, modes, self.drifting)
+        found = kind_of_set(self.runner, points, modes, self.drifting, self.exponent_steps)
         if found.kind == "chaotic":
             return self.known.add(found), True
         if not is_last:
@@ -449,8 +451,10 @@ class FoundAttractors:
     complete: bool
 
 
-def find_attractors(chosen: Any, box: Box, how: SearchOptions) -> FoundAttractors:
-    """Settle the starts of a box."""
+def find_attractors(
+    chosen: Any, box: Box, how: SearchOptions, *, silent: bool = False
+) -> FoundAttractors:
+    """Settle the starts of a box; ``silent`` without a progress bar, as a part of longer work."""
     runner = chosen.runner(how.tolerance)
     starts, drawn = admissible_starts(runner, box, how.samples, how.seed)
     drifting = drift_mask(chosen.system)
@@ -461,7 +465,9 @@ def find_attractors(chosen: Any, box: Box, how: SearchOptions) -> FoundAttractor
     with Progress("attractors", len(starts)) as progress:
         search = AttractorSearch(
             runner, known, drifting,
-            match=how.match, longest=how.longest, record=how.record, tell=progress.update,
+            match=how.match, longest=how.longest, record=how.record,
+            exponent_steps=how.exponent_steps,
+            tell=(lambda _: None) if silent else progress.update,
         )  # fmt: skip
         try:
             settled = search.settle(starts)

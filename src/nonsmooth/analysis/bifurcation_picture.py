@@ -1,0 +1,286 @@
+"""`bifurcation_picture`: attractors, basins' shares and all branches over a parameter, at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nonsmooth.analysis.basins.attractor_search import drift_mask, read_search
+from nonsmooth.analysis.basins.region import read_box
+from nonsmooth.analysis.options import SharedOptions, refuse_fixed, result_attributes
+from nonsmooth.analysis.orbit_search.branches import read_bounds
+from nonsmooth.analysis.orbits import orbits
+from nonsmooth.analysis.pictures.branches import BranchCollector, Cycle, strobes_of
+from nonsmooth.analysis.pictures.columns import Column, follow_numbers, settle_columns
+from nonsmooth.analysis.pictures.picture_dataset import picture_dataset
+from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
+from nonsmooth.runs.of_system import map_of
+from nonsmooth.runs.options import whole_number
+from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["bifurcation_picture"]
+
+_ITERATES = 10  # records after which a start that has come to nothing is unsettled
+_EXPONENT_STEPS = 250  # of four iterates each: enough to tell chaos, at each of many values
+_SAMPLES, _GUESSES, _RECORD = 20, 40, 200  # of the search for unstable orbits
+
+
+def bifurcation_picture(
+    system: System | StroboscopicMap,
+    parameter: str,
+    between: tuple[float, float],
+    region: Mapping[str, Any],
+    *,
+    columns: int = 101,
+    longest: int = 2,
+    searches: int = 5,
+    completion: Mapping[str, float | str] | None = None,
+    samples: int = 50,
+    seed: int = 0,
+    record: int = 1000,
+    points: int = 100,
+    steps: int = 1000,
+    parameters: Mapping[str, float] | None = None,
+    tolerance: float = 1e-12,
+) -> xr.Dataset:
+    """Draw up all that a system does over a parameter: attractors, basins and branches of orbits.
+
+    Parameters
+    ----------
+    system : System or StroboscopicMap
+        A system with a period; a map says at which phase points lie.
+    parameter : str
+        The parameter that varies.
+    between : tuple of float
+        Its lowest and its highest value.
+    region : mapping of str to (float, float)
+        For some states the range from which starts are drawn.
+    columns : int, optional
+        Values of the parameter at which attractors are looked for, spread evenly.
+    longest : int, optional
+        Longest period of the orbits whose branches are followed, in periods of the forcing.
+    searches : int, optional
+        Values of the parameter at which unstable orbits are looked for, spread evenly; 0 for none
+        but those on the branches of stable orbits, and those that leave them.
+    completion : mapping of str to float or str, optional
+        States outside the region, as in `attractors`.
+    samples : int, optional
+        Number of admissible starts at each value; the same at all values.
+    seed : int, optional
+        Seed of the random numbers: the same seed gives the same result. They scramble the Sobol
+        sequence from which starts are drawn.
+    parameters : mapping of str to float, optional
+        Values of parameters that differ from those of the system.
+
+    Other Parameters
+    ----------------
+    record : int, optional
+        Iterates of an attractor that does not repeat, as in `attractors`. A start that has come to
+        nothing within ten times as many is unsettled.
+    points : int, optional
+        Points of each attractor that are kept at each value.
+    steps : int, optional
+        Points of a branch in either direction, at most.
+    tolerance : float, optional
+        How near to zero a guard counts as zero at a start, relative to the size of its terms. A
+        start on a wall is seldom there to the last digit; within the tolerance it counts as on the
+        wall. You seldom need to change it: the accuracy of motions and events does not depend on
+        it.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``parameter`` and ``attractor``: ``settled`` (points over ``strobe`` and ``state``),
+        ``kind``, ``period``, ``fraction`` of the starts with its standard error, and ``exponent``
+        of what does not repeat; empty, 0 and nan where the attractor does not exist. Over
+        ``parameter``, the shares of starts that are ``unsettled`` and ``ended``. The branches stand
+        one behind another over ``point``, with ``branch_of_point``, the states, the parameter,
+        ``stable``, ``admissible``, ``word`` and more; their special points over ``special``, with
+        ``branch_of_special``. Over ``branch``: ``branch_period``, and how both ends came about.
+
+    Raises
+    ------
+    OptionError
+        For an unknown state or parameter, an empty range, a region without admissible starts, or
+        an option out of its range.
+
+    See Also
+    --------
+    bifurcation_diagram : settled motions alone, faster.
+    attractors : those at one value, with more about each.
+    continue_orbit : one branch, with all about its orbits.
+    nonsmooth.plot.bifurcation_picture : draws the result.
+
+    Notes
+    -----
+    At each value starts drawn from the region run to their attractors, as in `attractors`. Two
+    more passes, up and down, begin on the attractors of the neighbouring value; so an attractor
+    with a small basin is kept once it was found. Two attractors of neighbouring values have the
+    same number where motions from each lead to the other when the parameter takes the step, up and
+    down (compare G. Datseris, K. Luiz Rossi and A. Wagemakers, Chaos 33, 073151, 2023, who match
+    them by their distance).
+
+    Every stable cycle up to the longest period, and every orbit that `orbits` finds at the values
+    of the searches, begins a branch, unless the orbit of a known branch at the same value agrees
+    with it to 1e-6 of the spread of the states. Branches that leave others at flips, at points
+    where a symmetry breaks and at crossings are followed too. So a branch that ends at a corner
+    goes on with the motion that settles beyond, as a branch of its own. A branch of unstable orbits
+    that neither crosses a value of the searches nor leaves another branch is missed.
+
+    References
+    ----------
+    G. Datseris, K. Luiz Rossi and A. Wagemakers, Framework for global stability analysis of
+    dynamical systems, Chaos 33, 073151 (2023).
+
+    Examples
+    --------
+    A soft stop beyond its grazing, where two motions exist:
+
+    >>> import nonsmooth as ns
+    >>> soft = ns.models.soft_impact(omega=0.8)
+    >>> picture = ns.bifurcation_picture(
+    ...     soft,
+    ...     "a",
+    ...     (0.3, 0.5),
+    ...     {"x": (-2, 2), "v": (-2, 2)},
+    ...     columns=5,
+    ...     samples=10,
+    ...     searches=0,
+    ...     longest=1,
+    ... )
+    >>> picture["period"].values[:, 0].tolist(), picture.sizes["branch"]
+    ([1, 1, 1, 1, 1], 1)
+    """
+    shared = SharedOptions(parameters, tolerance, seed=seed)
+    chosen = map_of(system, parameters, tolerance, "bifurcation_picture", states_only=True)
+    if not isinstance(chosen, StroboscopicMap):
+        raise OptionError(
+            "system: a bifurcation picture is one of strobes; give a system with a period, or a"
+            " StroboscopicMap of one"
+        )
+    base = chosen.system
+    if not is_known(parameter, base.parameters):
+        raise OptionError(unknown_name("parameter", str(parameter), base.parameters))
+    refuse_fixed(system, parameters, (parameter,), "parameter")
+    low, high = read_bounds(between)
+    box = read_box(base, region, completion)
+    longest, steps = whole_number("longest", longest), whole_number("steps", steps)
+    points = whole_number("points", points)
+    n_searches = whole_number("searches", searches, least=0)
+    record = whole_number("record", record)
+    how = read_search(samples, 64, _ITERATES * record, record, 1e-6, shared)
+    how = replace(how, exponent_steps=_EXPONENT_STEPS)
+    values = np.linspace(low, high, whole_number("columns", columns, least=2))
+    maps = [(float(value), _at(chosen, parameter, float(value))) for value in values]
+    with Progress("attractors", 2 * len(maps) - 1) as progress:
+        found, complete = settle_columns(
+            maps, lambda each: read_box(each.system, region, completion), how, progress.update
+        )
+    collector = BranchCollector(
+        chosen, parameter, (low, high), longest, _scale(base, found), {"steps": steps}
+    )
+    if complete:
+        anchors = np.linspace(low, high, n_searches + 2)[1:-1] if n_searches else []
+        try:
+            collector.add_all(_cycles(found, longest))
+            collector.add_all(
+                _unstable(chosen, parameter, anchors, region, completion, longest, how.seed)
+            )
+        except KeyboardInterrupt:
+            collector.complete = False
+    complete = complete and collector.complete
+    attrs = result_attributes(
+        base, "completed" if complete else "interrupted", _message(found, collector, complete),
+        {
+            "parameter": parameter, "between": f"{low:g} {high:g}",
+            **{f"region_{name}": str((a, b)) for name, a, b in zip(
+                box.completion.given, box.low.tolist(), box.high.tolist(), strict=True)},
+            "completion": str(dict(box.completion.texts)), **chosen.protocol, **how.options,
+            "longest_period": longest, "searches": n_searches, "phase_of_period": chosen.phase,
+            **shared.recorded,
+        },
+    )  # fmt: skip
+    return picture_dataset(
+        base, parameter, found, follow_numbers(found), collector.branches, points, attrs
+    )
+
+
+def _at(chosen: StroboscopicMap, parameter: str, value: float) -> StroboscopicMap:
+    """The map at a value; an error says which value the system refuses."""
+    try:
+        return chosen.with_parameters(**{parameter: value})
+    except ModelError as fault:
+        raise OptionError(f"between: the system refuses {parameter} = {value:g}: {fault}") from None
+
+
+def _scale(system: System, columns: Sequence[Column]) -> Any:
+    """Spread of each state over all attractors; infinite for states that drift."""
+    every = [each.points for column in columns for each in column.attractors]
+    drifting = drift_mask(system)
+    if not every:
+        return np.where(drifting, np.inf, 1.0)
+    spread = np.ptp(np.concatenate(every), axis=0)
+    least = 1e-9 * float(np.max(spread[~drifting], initial=0.0)) or 1.0
+    return np.where(drifting, np.inf, np.maximum(spread, least))
+
+
+def _cycles(columns: Sequence[Column], longest: int) -> Iterator[Cycle]:
+    """Stable cycles, the shortest first, from the middle of the range outwards."""
+    middle = len(columns) // 2
+    order = sorted(range(len(columns)), key=lambda k: abs(k - middle))
+    for period in range(1, longest + 1):
+        for k in order:
+            for each in columns[k].attractors:
+                if each.period == period:
+                    yield Cycle(columns[k].value, each.points)
+
+
+def _unstable(
+    chosen: StroboscopicMap,
+    parameter: str,
+    anchors: Any,
+    region: Mapping[str, Any],
+    completion: Any,
+    longest: int,
+    seed: int,
+) -> Iterator[Cycle]:
+    """Orbits of any stability at some values."""
+    for value in anchors:
+        there = _at(chosen, parameter, float(value))
+        found = orbits(there, region, completion=completion, longest=longest, seed=seed, **_GUESSES)
+        if found.attrs["status"] == "interrupted":
+            raise KeyboardInterrupt
+        for k in range(found.sizes["orbit"]):
+            orbit = found.isel(orbit=k)
+            state = np.array([float(orbit[name]) for name in chosen.system.states])
+            points = strobes_of(there, state, int(orbit["period"]))
+            yield Cycle(float(value), points, orbit)
+
+
+def _message(columns: Sequence[Column], collector: BranchCollector, complete: bool) -> str:
+    """What was found, and what was not."""
+    said = [] if complete else ["interrupted by the user; what was found until then is kept"]
+    most = max((len(column.attractors) for column in columns), default=0)
+    said.append(
+        f"up to {most} attractors at one value; {len(collector.branches)} branches of orbits"
+    )
+    unsettled = sum(bool(np.any(column.labels == 0)) for column in columns)
+    if unsettled:
+        said.append(f"at {unsettled} values some starts are unsettled: raise record=")
+    ended = sum(bool(np.any(column.labels < 0)) for column in columns)
+    if ended:
+        said.append(f"at {ended} values some starts ended early")
+    if collector.failures:
+        said.append(
+            f"{len(collector.failures)} orbits began no branch, the first at"
+            f" {collector.failures[0]}"
+        )
+    return "; ".join(said)

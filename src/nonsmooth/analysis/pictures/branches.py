@@ -1,0 +1,185 @@
+"""All branches of orbits up to a period, each once: from cycles, and out of special points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.continue_orbit import continue_orbit
+from nonsmooth.analysis.find_orbit import find_orbit
+from nonsmooth.engine.lanes import ANY
+from nonsmooth.errors import OptionError
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["BranchCollector", "Cycle"]
+
+Floats = npt.NDArray[np.float64]
+
+_NEAR = 1e-3  # of the spread of each state: a point of a branch that may be the orbit looked for
+_SAME = 1e-6  # likewise, of the orbit of the branch at the very value
+_AT = 1e-7  # of the range of the parameter, within which two values are one
+_MOST = 200  # branches
+_LEAVING = ("flip", "symmetry_breaking", "branch_point")  # where other branches begin
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """An orbit at one value of the parameter, by its points on the map."""
+
+    value: float
+    points: Floats  # (K, n) for a period of K
+    anchor: Any = None  # the orbit itself, where it is known
+
+    @property
+    def period(self) -> int:
+        """Number of points."""
+        return len(self.points)
+
+
+@dataclass
+class BranchCollector:
+    """Branches over a range of a parameter; a cycle that lies on one of them begins none.
+
+    ``scale`` (n,) is the spread of each state, infinite for one that drifts.
+    """
+
+    chosen: StroboscopicMap
+    parameter: str
+    between: tuple[float, float]
+    longest: int
+    scale: Floats
+    options: Mapping[str, Any]
+    branches: list[xr.Dataset] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)  # of cycles that began no branch
+    complete: bool = True
+
+    def add_all(self, cycles: Iterator[Cycle]) -> None:
+        """Follow each cycle that lies on no branch, and what leaves the branches."""
+        for cycle in cycles:
+            if not self.complete or len(self.branches) >= _MOST:
+                return
+            if cycle.period <= self.longest and not self.holds(cycle):
+                self._follow(cycle.value, initial=self._start(cycle), period=cycle.period)
+
+    def holds(self, cycle: Cycle) -> bool:
+        """Whether a cycle lies on a branch that is known."""
+        return any(
+            self._passes(branch, cycle)
+            for branch in self.branches
+            if _period(branch) == cycle.period
+        )
+
+    def _passes(self, branch: xr.Dataset, cycle: Cycle) -> bool:
+        values, states = branch[self.parameter].values, self._states(branch)
+        before, after = values[:-1] - cycle.value, values[1:] - cycle.value
+        for i in np.flatnonzero(before * after <= 0.0):
+            step = values[i + 1] - values[i]
+            share = 0.0 if step == 0.0 else (cycle.value - values[i]) / step
+            guess = states[i] + share * (states[i + 1] - states[i])
+            reach = self._gap(states[i], states[i + 1][None])
+            # a straight line between points is near, and the orbit at the value itself decides
+            if self._gap(guess, cycle.points) > _NEAR + reach:
+                continue
+            found = self._orbit_at(branch, int(i if share < 0.5 else i + 1), cycle)
+            if found is not None and self._gap(found, cycle.points) <= _SAME:
+                return True
+        return False
+
+    def _orbit_at(self, branch: xr.Dataset, place: int, cycle: Cycle) -> Floats | None:
+        """State of the orbit of a branch at the value of a cycle, from a point of the branch."""
+        try:
+            found = find_orbit(
+                self.chosen, branch.isel(point=place), period=cycle.period,
+                parameters={self.parameter: cycle.value},
+            )  # fmt: skip
+        except OptionError:
+            return None
+        return np.array([float(found[name]) for name in self.chosen.system.states])
+
+    def _start(self, cycle: Cycle) -> Any:
+        if cycle.anchor is not None:
+            return cycle.anchor
+        return dict(zip(self.chosen.system.states, cycle.points[0].tolist(), strict=True))
+
+    def _follow(self, value: float, **beginning: Any) -> None:
+        """One branch, and those that leave it."""
+        try:
+            found = continue_orbit(
+                self.chosen, self.parameter, self.between, **beginning, **self.options,
+                parameters={self.parameter: value} if "special" not in beginning else None,
+            )  # fmt: skip
+        except OptionError as fault:
+            self.failures.append(f"{self.parameter} = {value:.6g}: {fault}")
+            return
+        if found.sizes["point"] < 2:
+            self.failures.append(f"{self.parameter} = {value:.6g}: {found.attrs['message']}")
+            return
+        self.branches.append(self._with_strobes(found))
+        if found.attrs["status"] == "interrupted":
+            self.complete = False
+            return
+        self._leave(found)
+
+    def _leave(self, branch: xr.Dataset) -> None:
+        """Branches that begin at the special points of one."""
+        for k, kind in enumerate(branch["special_kind"].values.tolist()):
+            period = _period(branch) * (2 if kind == "flip" else 1)
+            full = len(self.branches) >= _MOST or not self.complete
+            if full or kind not in _LEAVING or period > self.longest:
+                continue
+            place = int(branch["special_point"].values[k])
+            point = branch.isel(point=place)
+            others = [each for each in self.branches if each is not branch]
+            if not any(_period(each) == period and self._touches(each, point) for each in others):
+                self._follow(float(point[self.parameter]), initial=branch, special=k)
+
+    def _touches(self, branch: xr.Dataset, point: xr.Dataset) -> bool:
+        """Whether a branch begins, ends or turns at a point of another one."""
+        low, high = self.between
+        value, values = float(point[self.parameter]), branch[self.parameter].values
+        near = np.flatnonzero(np.abs(values - value) <= _AT * (high - low))
+        state = np.array([float(point[name]) for name in self.chosen.system.states])
+        strobes = self._strobes(state, value, _period(branch))
+        return any(self._gap(self._states(branch)[i], strobes) <= _NEAR for i in near)
+
+    def _strobes(self, state: Floats, value: float, period: int) -> Floats:
+        """Points of a cycle on the map, from one of them."""
+        return strobes_of(self.chosen.with_parameters(**{self.parameter: value}), state, period)
+
+    def _with_strobes(self, branch: xr.Dataset) -> xr.Dataset:
+        """The branch with all points of its orbits on the map, as settled motions have them."""
+        states = self._states(branch)
+        strobes = np.full((len(states), self.longest, states.shape[1]), np.nan)
+        for k, (state, value) in enumerate(zip(states, branch[self.parameter].values, strict=True)):
+            found = self._strobes(state, float(value), _period(branch))
+            strobes[k, : len(found)] = found
+        return branch.assign(strobes=(("point", "turn", "state"), strobes))
+
+    def _states(self, branch: xr.Dataset) -> Floats:
+        return np.column_stack([branch[name].values for name in self.chosen.system.states])
+
+    def _gap(self, state: Floats, points: Floats) -> float:
+        """Distance of a state from the nearest of some points, beside the spread."""
+        return float((np.abs(points - state) / self.scale).max(axis=1).min())
+
+
+def strobes_of(chosen: StroboscopicMap, state: Floats, period: int) -> Floats:
+    """Points of a cycle on a map, from one of them."""
+    if period == 1:
+        return state[None]
+    runner = chosen.runner(1e-12)
+    found = runner.images(state, ANY, period - 1)
+    if found is None:
+        return np.concatenate([state[None], np.full((period - 1, len(state)), np.nan)])
+    return np.concatenate([state[None], found[0]])
+
+
+def _period(branch: xr.Dataset) -> int:
+    return int(branch.attrs["period"])

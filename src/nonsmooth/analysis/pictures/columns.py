@@ -1,0 +1,120 @@
+"""The attractors at each value of the parameter, and which of them go over into each other.
+
+Starts drawn from the region find the attractors of a column. Two more passes, up and down, start
+from the attractors of the neighbour: they find attractors with small basins that the neighbour has
+too, and tell where each attractor leads when the parameter takes a step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.basins.attractor import Attractor
+from nonsmooth.analysis.basins.attractor_search import (
+    FoundAttractors,
+    SearchOptions,
+    find_attractors,
+)
+from nonsmooth.analysis.basins.region import Box
+from nonsmooth.engine.lanes import ANY
+from nonsmooth.runs.maps import Map
+
+__all__ = ["Column", "follow_numbers", "settle_columns"]
+
+Integers = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Column:
+    """What starts come to at one value; attractors are numbered from 1 within the column."""
+
+    value: float
+    found: FoundAttractors
+    # where the attractors of the columns before and behind lead here; 0 and less for nowhere
+    from_below: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+    from_above: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+
+    @property
+    def attractors(self) -> list[Attractor]:
+        """Those found, in the order of their numbers."""
+        return self.found.known.attractors
+
+    @property
+    def labels(self) -> Integers:
+        """Number of the attractor that each random start came to; 0 and less for none."""
+        return self.found.settled.label
+
+    def starts_from(self, others: Sequence[Attractor]) -> Integers:
+        """Where motions lead here that begin on the attractors of a neighbour."""
+        if not others:
+            return np.zeros(0, np.int64)
+        states = np.array([each.points[-1] for each in others])
+        return self.found.search.settle(states, ANY).label
+
+
+def settle_columns(
+    maps: Sequence[tuple[float, Map]],
+    box_of: Callable[[Map], Box],
+    how: SearchOptions,
+    report: Callable[[int], None],
+) -> tuple[list[Column], bool]:
+    """Columns in the order of the values, and whether all are there.
+
+    ``report`` is told how many columns are done, each of which counts once in each of two passes.
+    """
+    columns: list[Column] = []
+    try:
+        for value, chosen in maps:
+            found = find_attractors(chosen, box_of(chosen), how, silent=True)
+            if not found.complete:
+                return columns, False
+            column = Column(value, found)
+            if columns:
+                links = column.starts_from(columns[-1].attractors)
+                column = Column(value, found, from_below=links)
+            columns.append(column)
+            report(len(columns))
+        for k in reversed(range(len(columns) - 1)):
+            here, above = columns[k], columns[k + 1]
+            links = here.starts_from(above.attractors)
+            columns[k] = Column(here.value, here.found, here.from_below, links)
+            # an attractor that only the column above had is followed upwards as well
+            known = len(above.from_below)
+            late = above.starts_from(here.attractors[known:])
+            columns[k + 1] = Column(
+                above.value, above.found, np.concatenate([above.from_below, late]),
+                above.from_above,
+            )  # fmt: skip
+            report(2 * len(columns) - k - 1)
+    except KeyboardInterrupt:
+        return columns, False
+    return columns, True
+
+
+def follow_numbers(columns: Sequence[Column]) -> list[Integers]:
+    """Numbers of attractors along the parameter, for the attractors of each column.
+
+    Two attractors of neighbouring columns are one where each leads to the other: a motion that
+    begins on either comes to the other when the parameter takes the step, up and down. Where a
+    motion comes to another attractor and does not return, the first one has ended.
+    """
+    numbers: list[Integers] = []
+    used = 0
+    for k, column in enumerate(columns):
+        own = np.zeros(len(column.attractors), np.int64)
+        if k:
+            below = columns[k - 1]
+            back = below.from_above
+            for i, label in enumerate(column.from_below.tolist()):
+                j = label - 1
+                if label > 0 and j < len(back) and back[j] == i + 1:
+                    own[j] = numbers[-1][i]
+        for j in np.flatnonzero(own == 0):
+            used += 1
+            own[j] = used
+        numbers.append(own)
+    return numbers

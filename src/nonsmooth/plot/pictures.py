@@ -1,0 +1,180 @@
+"""`bifurcation_picture`: attractors and branches over a parameter, above the shares of basins."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nonsmooth.arguments import checked
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.attractor_style import ENDED_EARLY, UNSETTLED, attractor_styles, state_label
+from nonsmooth.plot.branch_curves import (
+    branch_curve,
+    mark_special_points,
+    quantity,
+    special_points,
+)
+from nonsmooth.plot.branches import KIND_STYLES, draw_curve
+from nonsmooth.plot.figures import divided, print_figure
+from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot.style import axis_label, finish_axes
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["bifurcation_picture", "branches_of"]
+
+_ENDS = ("bound", "end")  # of the range, not of the system
+_DOT, _MANY = 2.2, 0.8  # diameters of points of cycles and of sets
+_HEIGHTS = (3.0, 1.0)
+
+
+@checked
+def bifurcation_picture(
+    picture: xr.Dataset, y: str, *, special: bool = True, ax: Axes | None = None
+) -> Axes:
+    """Attractors and branches of orbits over a parameter, and below them the shares of basins.
+
+    Parameters
+    ----------
+    picture : xarray.Dataset
+        Result of `bifurcation_picture`.
+    y : str
+        A state.
+    special : bool, optional
+        Whether to mark folds, flips, grazings and other special points.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw, in a grid of axes: it is made smaller, with room for the shares below; new
+        axes by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The upper axes; those of the shares are ``ax.figure.axes[-1]``.
+
+    Raises
+    ------
+    OptionError
+        For a dataset that is no bifurcation picture, or an unknown state.
+
+    See Also
+    --------
+    branch : branches alone.
+    bifurcation : settled motions alone.
+
+    Notes
+    -----
+    An attractor has one colour in both axes, pale for its share of the starts. Branches are black:
+    solid where the orbit is stable, dashed where it is not. White shares belong to starts that are
+    unsettled, grey ones to motions that ended early.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> soft = ns.models.soft_impact(omega=0.8)
+    >>> picture = ns.bifurcation_picture(
+    ...     soft,
+    ...     "a",
+    ...     (0.3, 0.5),
+    ...     {"x": (-2, 2), "v": (-2, 2)},
+    ...     columns=3,
+    ...     samples=4,
+    ...     searches=0,
+    ...     longest=1,
+    ... )
+    >>> ax = ns.plot.bifurcation_picture(picture, "x")
+    >>> ax.figure.axes[-1].get_ylabel()
+    'share of the starts'
+    """
+    if "settled" not in picture or "parameter" not in picture.dims:
+        raise OptionError(
+            "picture: the dataset has no attractors over a parameter; give a result of"
+            " bifurcation_picture"
+        )
+    states = [str(name) for name in picture["state"].values]
+    if y not in states:
+        raise OptionError(unknown_name("state", y, states))
+    own = ax is None
+    ax = print_figure(width=16.0, height=11.0)[1][0] if ax is None else ax
+    upper, lower = divided(ax, 2, heights=_HEIGHTS)
+    numbers = picture["attractor"].values.tolist()
+    styles = attractor_styles(picture, numbers)
+    for number in numbers:
+        _draw_attractor(picture, number, y, upper, styles[number])
+    marks: list[Any] = []
+    for k, branch in enumerate(branches_of(picture)):
+        across, _ = quantity(branch, str(picture.attrs["parameter"]))
+        points = special_points(branch)
+        for up in branch["strobes"].sel(state=y).transpose("turn", "point").values:
+            if np.isfinite(up).any():
+                places = points.value, points.between(up)
+                draw_curve(branch_curve(branch, (across, up), points, places), upper, "black", k)
+                marks.append((points.kinds_shown(branch), *places))
+    known = {line.get_label() for line in upper.lines}
+    for name, style in KIND_STYLES.values():
+        if f"_{name}" in known:
+            upper.plot([], [], color="black", **style, label=name)
+    if special and marks:
+        kinds = np.concatenate([np.array(kind, str) for kind, _, _ in marks])
+        x, height = (np.concatenate([mark[k] for mark in marks]) for k in (1, 2))
+        inner = ~np.isin(kinds, _ENDS)
+        mark_special_points(upper, kinds[inner].tolist(), x[inner], height[inner])
+    _draw_shares(picture, lower, styles)
+    label = axis_label(picture["parameter"])
+    finish_axes(upper, "", state_label(picture, y))
+    finish_axes(lower, label, "share of the starts")
+    lower.set_ylim(0.0, 1.0)
+    low, high = picture["parameter"].values[[0, -1]]
+    for each in (upper, lower):
+        each.set_xlim(low, high)
+    upper.tick_params(labelbottom=False)
+    place_legend(upper, may_grow=own)
+    return upper
+
+
+def branches_of(picture: xr.Dataset) -> list[xr.Dataset]:
+    """The branches of a picture one by one, as `continue_orbit` gives them."""
+    found = []
+    for i in range(picture.sizes.get("branch", 0)):
+        of_points = np.flatnonzero(picture["branch_of_point"].values == i)
+        of_specials = np.flatnonzero(picture["branch_of_special"].values == i)
+        names = [
+            name
+            for name, values in picture.data_vars.items()
+            if {"point", "special"} & set(values.dims) and not str(name).startswith("branch_of_")
+        ]
+        part = picture[names].isel(point=of_points, special=of_specials)
+        part = part.assign_coords(point=np.arange(of_points.size))
+        part.attrs = dict(picture.attrs) | {"period": int(picture["branch_period"][i])}
+        found.append(part)
+    return found
+
+
+def _draw_attractor(picture: xr.Dataset, number: int, y: str, ax: Axes, style: Any) -> None:
+    """Points of one attractor at all values at which it exists."""
+    own = picture.sel(attractor=number)
+    height = own["settled"].sel(state=y).transpose("parameter", "strobe").values
+    across = np.broadcast_to(picture["parameter"].values[:, None], height.shape)
+    cycle = (own["period"].values > 0)[:, None]
+    there = np.isfinite(height)
+    label = f"attractor {number}"
+    for chosen, size in ((there & cycle, _DOT), (there & ~cycle, _MANY)):
+        if chosen.any():
+            ax.plot(
+                across[chosen], height[chosen], linestyle="none", marker="o", markersize=size,
+                markeredgewidth=0.0, color=style.basin, zorder=2, gid=label,
+            )  # fmt: skip
+    ax.plot([], [], color=style.basin, linewidth=3.0, label=label)
+
+
+def _draw_shares(picture: xr.Dataset, ax: Axes, styles: Any) -> None:
+    """Shares of the starts, one on top of the other."""
+    values = picture["parameter"].values
+    shares = np.nan_to_num(picture["fraction"].transpose("attractor", "parameter").values)
+    rows = [*shares, picture["unsettled"].values, picture["ended"].values]
+    colours = [style.basin for style in styles.values()]
+    ax.stackplot(
+        values, *rows, colors=[*colours, UNSETTLED, ENDED_EARLY], step="mid", linewidth=0.0
+    )

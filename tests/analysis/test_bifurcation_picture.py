@@ -1,0 +1,155 @@
+"""Bifurcation pictures against closed forms of what exists at each value of a parameter."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.analysis import bifurcation_picture as module
+from nonsmooth.plot.pictures import branches_of
+
+FOLD = 2.0 / (3.0 * np.sqrt(3.0))  # of p = x**3 - x
+REGION = {"x": (-2.0, 2.0)}
+
+
+def hysteresis() -> ns.System:
+    """x rests where p = x**3 - x; y is driven, and x does not know of it."""
+    return ns.System(
+        states=["x", "y"],
+        period=1.0,
+        parameters={"p": 0.0},
+        equations={"x": "p + x - x**3", "y": "cos(2*pi*t) - y"},
+    )
+
+
+def roots(p: float) -> np.ndarray:
+    found = np.roots([1.0, 0.0, -1.0, -p])
+    return np.sort(found[np.abs(found.imag) < 1e-9].real)
+
+
+@pytest.fixture(scope="module")
+def picture():
+    return ns.bifurcation_picture(
+        hysteresis(), "p", (-0.6, 0.6), REGION, columns=13, samples=60, searches=3
+    )
+
+
+def test_attractors_exist_between_the_folds(picture) -> None:
+    """Below -FOLD there is the lower root, above FOLD the upper one, and both between."""
+    for column in range(picture.sizes["parameter"]):
+        here = picture.isel(parameter=column)
+        p = float(here["parameter"])
+        known = roots(p)
+        stable = known if known.size == 1 else known[[0, 2]]
+        there = here["period"].values > 0
+        found = here["settled"].sel(state="x").isel(strobe=0).values[there]
+        assert np.sort(found) == pytest.approx(stable, abs=1e-9)
+
+
+def test_an_attractor_keeps_its_number_until_it_ends(picture) -> None:
+    p = picture["parameter"].values
+    exists = picture["period"].values > 0
+    assert picture.sizes["attractor"] == 2
+    assert exists[:, 0].tolist() == (p < FOLD).tolist()
+    assert exists[:, 1].tolist() == (p > -FOLD).tolist()
+    assert np.all(picture["kind"].values[exists] == "periodic")
+
+
+def test_shares_are_those_of_the_starts_on_either_side_of_the_saddle(picture) -> None:
+    for column in range(picture.sizes["parameter"]):
+        here = picture.isel(parameter=column)
+        known = roots(float(here["parameter"]))
+        if known.size == 3:
+            lower = (known[1] + 2.0) / 4.0  # of the region, a width of four
+            # a Sobol sequence is spread evenly, so a few starts lie on the wrong side
+            assert here["fraction"].values == pytest.approx([lower, 1.0 - lower], abs=0.05)
+        assert np.nansum(here["fraction"]) == pytest.approx(1.0)
+
+
+def test_all_orbits_are_one_branch_through_both_folds(picture) -> None:
+    """Motions from many columns and unstable orbits of three searches lie on one branch."""
+    (branch,) = branches_of(picture)
+    assert branch["p"].values == pytest.approx(
+        branch["x"].values ** 3 - branch["x"].values, abs=1e-9
+    )
+    folds = branch["special_value"].values[branch["special_kind"].values == "fold"]
+    assert np.sort(folds) == pytest.approx([-FOLD, FOLD], abs=1e-9)
+    outside = 3.0 * branch["x"].values ** 2 > 1.0
+    clear = np.abs(3.0 * branch["x"].values ** 2 - 1.0) > 1e-6
+    assert np.array_equal(branch["stable"].values[clear], outside[clear])
+
+
+def test_branches_beyond_flips_have_all_their_points() -> None:
+    """Of x -> -r x + x**3 the orbit of two points is x**2 = r - 1, from the flip at r = 1 on.
+
+    The kick is a reset at a quarter of each period; between kicks x rests.
+    """
+    kick = ns.Exit("cos(2*pi*t)", to="late", reset={"x": "-r*x + x**3"}, name="kick")
+    kicked = ns.System(
+        states=["x"],
+        period=1.0,
+        parameters={"r": 0.9},
+        modes={
+            "early": ns.Mode({"x": "0"}, exits=[kick]),
+            "late": ns.Mode({"x": "0"}, exits=[ns.Exit("-cos(2*pi*t)", to="early")]),
+        },
+    )
+    found = ns.bifurcation_picture(
+        kicked, "r", (0.8, 1.3), {"x": (-0.5, 0.5)}, columns=6, samples=6, searches=0
+    )
+    one, two = branches_of(found)
+    assert found["branch_period"].values.tolist() == [1, 2]
+    flips = one["special_value"].values[one["special_kind"].values == "flip"]
+    assert flips == pytest.approx([1.0], abs=1e-9)
+    x = two["strobes"].sel(state="x").values
+    assert x[:, 0] == pytest.approx(-x[:, 1], abs=1e-9)
+    assert x[:, 0] ** 2 == pytest.approx(two["r"].values - 1.0, abs=1e-9)
+
+
+def test_an_interruption_keeps_what_was_found(monkeypatch) -> None:
+    whole = module.settle_columns
+
+    def interrupted(maps, box_of, how, report):
+        columns, _ = whole(maps[:3], box_of, how, report)
+        return columns, False
+
+    monkeypatch.setattr(module, "settle_columns", interrupted)
+    found = ns.bifurcation_picture(hysteresis(), "p", (-0.6, 0.6), REGION, columns=9, samples=8)
+    assert found.attrs["status"] == "interrupted" and found.sizes["parameter"] == 3
+    assert "interrupted by the user" in found.attrs["message"]
+
+
+def test_a_picture_survives_a_file(picture, tmp_path) -> None:
+    import xarray as xr
+
+    picture.to_netcdf(tmp_path / "picture.nc")
+    with xr.open_dataset(tmp_path / "picture.nc") as again:
+        (branch,) = branches_of(again)
+        ax = ns.plot.bifurcation_picture(again.load(), "x")
+    assert branch["x"].values == pytest.approx(branches_of(picture)[0]["x"].values)
+    names = {text.get_text() for text in ax.get_legend().get_texts()}
+    assert {"attractor 1", "attractor 2", "stable", "unstable", "fold"} <= names
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"parameter": "q"}, "unknown parameter 'q'"),
+        ({"between": (1.0, 0.0)}, "the first must be below the second"),
+        ({"region": {"z": (0.0, 1.0)}}, "unknown state 'z'"),
+        ({"columns": 1}, "columns"),
+        ({"searches": -1}, "searches"),
+        ({"parameters": {"p": 1.0}}, "p"),
+    ],
+)
+def test_wrong_arguments_are_named(given, said) -> None:
+    options = {"parameter": "p", "between": (-1.0, 1.0), "region": REGION} | given
+    with pytest.raises(ns.OptionError, match=said):
+        ns.bifurcation_picture(hysteresis(), **options)
+
+
+def test_a_section_is_refused() -> None:
+    section = ns.PoincareMap(hysteresis(), "y")
+    with pytest.raises(ns.OptionError):
+        ns.bifurcation_picture(section, "p", (-1.0, 1.0), REGION)
