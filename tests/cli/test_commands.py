@@ -24,6 +24,7 @@ FEW = {
     "continue": ["--steps", "10"],
     "ensemble": ["--record", "5"],
     "attractors": ["--starts", "4", "--record", "500"],
+    "picture": ["--starts", "2", "--record", "50", "--values", "2", "--searches", "0"],
     "basins": ["--starts", "4", "--record", "500"],
     "fit": ["--starts", "1"],
     "smoothing": ["--periods", "2", "--samples-per-period", "50", "--starts", "2"],

@@ -133,6 +133,7 @@ SMALL = {
     "regimes": ["--over", "omega=0.7:0.8:2", "--over", "a=0.7:0.8:2"],
     "continue": ["--over", "omega=0.7:0.9"],
     "attractors": ["--over", "x=-1:1", "--over", "v=-1:1"],
+    "picture": ["--over", "omega=0.8:0.9", "--over", "x=-1:1"],
     "basins": ["--over", "x=-1:1:4", "--over", "v=-1:1:4"],
     "section": ["--section", "v"],
     "fit": ["--free", "beta=15:45", "--observe", "x=x"],

@@ -172,6 +172,11 @@ def cases():
         "basins_of_attraction": (
             {"system": strobes, "region": CELLS} | SEARCH, {"samples": 10_000},
         ),
+        "bifurcation_picture": (
+            {"system": strobes, "region": REGION, "parameter": "omega", "between": (0.8, 0.9)}
+            | {"columns": 2, "searches": 0, "samples": 2, "record": 20, "steps": 2},
+            {"samples": 10_000},
+        ),
         "orbits": (struck | {"samples": 2, "record": 20, "guesses": 2}, {"samples": 10_000}),
         "return_map": (
             {"system": section, "coordinate": "x", "between": (0.0, 1.0), "samples": 3},

@@ -33,6 +33,12 @@ MAKE = {
     "bifurcation": lambda: {
         "diagram": ns.bifurcation_diagram(STRUCK, **SPEEDS), "variable": "x",
     },
+    "bifurcation_picture": lambda: {
+        "picture": ns.bifurcation_picture(
+            STRUCK, "omega", (0.8, 0.9), SQUARE, columns=2, searches=0, samples=2, record=20,
+        ),
+        "y": "x",
+    },
     "branch": lambda: {"branches": data("branch"), "y": "x"},
     "cobweb": lambda: {"data": returns()},
     "comparison": lambda: {

@@ -48,6 +48,12 @@ ORBIT = {
     **{name: MOTION[name] for name in STATES}, "time": S, "length": S, "residual": ONE,
     "log_determinant": ONE, "durations": S, "leg_time": S, "leg_states": None,
 }  # fmt: skip
+PICTURE = {
+    **{name: MOTION[name] for name in STATES}, "length": S, "residual": ONE, "settled": None,
+    "strobes": None, "fraction": ONE, "fraction_error": ONE, "exponent": ONE,
+    "exponent_error": ONE, "unsettled": ONE, "ended": ONE, "parameter": HERTZ,
+    "eta": HERTZ, "special_value": HERTZ, "arclength": ONE,
+}  # fmt: skip
 CONTACT = {
     "contacts": ONE, "contact_share": ONE, "contact_duration": S, "shortest_contact": S,
     "longest_contact": S, "percentile": ONE,
@@ -156,6 +162,13 @@ RESULTS = {
                       MOTION | {"time": S, "length": S}),
     "best_point": (lambda: ns.best_point(speeds_of_orbits(), "x"),
                    ORBIT | {"eta": HERTZ, "best": MM}),
+    "bifurcation_picture": (
+        lambda: ns.bifurcation_picture(
+            SYSTEM, "eta", (0.91, 0.915), {"x": (-0.4, 1.4)}, columns=2, searches=0, samples=2,
+            record=100, steps=5, longest=1,
+        ),
+        PICTURE,
+    ),
     "attractors": (lambda: ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200),
                    ATTRACTOR),
     "basins_of_attraction": (lambda: basins(lambda found: found), ATTRACTOR | {"x": MM, "y": MM}),

@@ -13,7 +13,7 @@ from nonsmooth.analysis.basins.region import read_box
 from nonsmooth.analysis.options import SharedOptions, refuse_fixed, result_attributes
 from nonsmooth.analysis.orbit_search.branches import read_bounds
 from nonsmooth.analysis.orbits import orbits
-from nonsmooth.analysis.pictures.branches import BranchCollector, Cycle, strobes_of
+from nonsmooth.analysis.pictures.branches import BranchCollector, OrbitPoints, strobes_of
 from nonsmooth.analysis.pictures.columns import Column, follow_numbers, settle_columns
 from nonsmooth.analysis.pictures.picture_dataset import picture_dataset
 from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
@@ -188,7 +188,7 @@ def bifurcation_picture(
         chosen, parameter, (low, high), longest, _scale(base, found), {"steps": steps}
     )
     if complete:
-        anchors = np.linspace(low, high, n_searches + 2)[1:-1] if n_searches else []
+        anchors = np.linspace(low, high, n_searches + 2)[1:-1]
         try:
             collector.add_all(_cycles(found, longest))
             collector.add_all(
@@ -232,7 +232,7 @@ def _scale(system: System, columns: Sequence[Column]) -> Any:
     return np.where(drifting, np.inf, np.maximum(spread, least))
 
 
-def _cycles(columns: Sequence[Column], longest: int) -> Iterator[Cycle]:
+def _cycles(columns: Sequence[Column], longest: int) -> Iterator[OrbitPoints]:
     """Stable cycles, the shortest first, from the middle of the range outwards."""
     middle = len(columns) // 2
     order = sorted(range(len(columns)), key=lambda k: abs(k - middle))
@@ -240,7 +240,7 @@ def _cycles(columns: Sequence[Column], longest: int) -> Iterator[Cycle]:
         for k in order:
             for each in columns[k].attractors:
                 if each.period == period:
-                    yield Cycle(columns[k].value, each.points)
+                    yield OrbitPoints(columns[k].value, each.points)
 
 
 def _unstable(
@@ -251,18 +251,27 @@ def _unstable(
     completion: Any,
     longest: int,
     seed: int,
-) -> Iterator[Cycle]:
+) -> Iterator[OrbitPoints]:
     """Orbits of any stability at some values."""
     for value in anchors:
         there = _at(chosen, parameter, float(value))
-        found = orbits(there, region, completion=completion, longest=longest, seed=seed, **_GUESSES)
+        found = orbits(
+            there,
+            region,
+            completion=completion,
+            longest=longest,
+            seed=seed,
+            samples=_SAMPLES,
+            guesses=_GUESSES,
+            record=_RECORD,
+        )
         if found.attrs["status"] == "interrupted":
             raise KeyboardInterrupt
         for k in range(found.sizes["orbit"]):
             orbit = found.isel(orbit=k)
             state = np.array([float(orbit[name]) for name in chosen.system.states])
             points = strobes_of(there, state, int(orbit["period"]))
-            yield Cycle(float(value), points, orbit)
+            yield OrbitPoints(float(value), points, orbit)
 
 
 def _message(columns: Sequence[Column], collector: BranchCollector, complete: bool) -> str:

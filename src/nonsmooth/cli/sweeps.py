@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.cli.arguments import names, need_period, value_range
+from nonsmooth.cli.arguments import names, need_period, settings, value_limits, value_range
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.report import Report
+from nonsmooth.cli.report import Column, Report
 from nonsmooth.cli.variables import single
 from nonsmooth.errors import ModelError, OptionError, unknown_name
 
@@ -17,10 +18,11 @@ if TYPE_CHECKING:
 
     from nonsmooth.system.system import System
 
-__all__ = ["certified_runs", "contacts", "diagram", "ensemble", "waterfall"]
+__all__ = ["certified_runs", "contacts", "diagram", "ensemble", "picture", "waterfall"]
 
 _FORCED = "this command looks at a forced system, once per period of its forcing"
 _SHOWN = 8  # harmonics, or periods, in a summary
+_MOST = 40  # attractors and branches of a picture, in a summary
 
 
 def certified_runs(report: Report, result: xr.Dataset) -> None:
@@ -130,6 +132,96 @@ def _diagram_report(result: xr.Dataset) -> Report:
     if others and doubt:
         report.add("message", doubt)
     return report
+
+
+def picture(task: Task) -> None:
+    """``nonsmooth picture``."""
+    from nonsmooth.analysis.bifurcation_picture import bifurcation_picture
+    from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+
+    system = task.system
+    need_period(system, _FORCED)
+    parameter, between, region = _picture_ranges(task)
+    drawn = system.states[0] if task["draw"] is None else single(task["draw"], system.states)
+    options = task.options("bifurcation_picture", "completion")
+    options["completion"] = dict(settings(task["complete"], "--complete", "q=max(0,p-g)"))
+    chosen = StroboscopicMap(system, **task.options("StroboscopicMap"))
+    result = bifurcation_picture(chosen, parameter, between, region, **options)
+
+    task.picture("bifurcation_picture", result, drawn)
+    task.finish(result, _picture_report(result), code=task.by_message(result))
+
+
+def _picture_ranges(
+    task: Task,
+) -> tuple[str, tuple[float, float], dict[str, tuple[float, float]]]:
+    """The parameter with its ends, and the ranges of states, from one option."""
+    settings(task["over"], "--over")  # refuses a name that is given twice
+    ranges = dict(map(value_limits, task["over"]))
+    known = {*task.system.parameters, *task.system.states}
+    for name in ranges:
+        if name not in known:
+            raise OptionError(f"--over: {unknown_name('parameter or state', name, sorted(known))}")
+    varied = [name for name in ranges if name in task.system.parameters]
+    region = {name: ends for name, ends in ranges.items() if name not in varied}
+    if len(varied) != 1 or not region:
+        raise OptionError(
+            "--over: give the range of one parameter, such as --over omega=0.6:0.9, and of one"
+            f" state or more, such as --over {task.system.states[0]}=-1:1"
+        )
+    task.refuse_fixed(varied, "--over")
+    return varied[0], ranges[varied[0]], region
+
+
+def _picture_report(result: xr.Dataset) -> Report:
+    """How many attractors there are where, and which branches."""
+    import numpy as np
+
+    attrs = result.attrs
+    low, high = result["parameter"].values[[0, -1]].tolist()
+    report = Report(attrs["system_name"], f"{attrs['parameter']} from {low:g} to {high:g}")
+    report.data |= {"parameter": attrs["parameter"], "between": [low, high]}
+    report.add("status", attrs["message"], status=attrs["status"], message=attrs["message"])
+    number = "{:.6g}".format
+    columns: list[Column] = [
+        ("", "attractor", str), ("from", "from", number), ("to", "to", number),
+        ("kinds", "kinds", ", ".join), ("periods", "periods", _first_periods),
+        ("largest share", "largest_share", "{:.1%}".format),
+    ]  # fmt: skip
+    report.table("attractors", columns, _attractor_rows(result), _MOST)
+    ends = [
+        result[name].values.tolist() if name in result else []
+        for name in ("branch_period", "branch_end_first", "branch_end_last")
+    ]
+    sizes = np.bincount(result["branch_of_point"]) if "branch_of_point" in result else []
+    columns = [
+        ("", "branch", str), ("period", "period", str), ("points", "points", str),
+        ("first end", "first_end", str), ("last end", "last_end", str),
+    ]  # fmt: skip
+    rows = [
+        (k, period, int(size), first, last)
+        for k, (size, period, first, last) in enumerate(zip(sizes, *ends, strict=True), start=1)
+    ]
+    report.table("branches", columns, rows, _MOST)
+    return report
+
+
+def _attractor_rows(result: xr.Dataset) -> Iterator[tuple[Any, ...]]:
+    """Where each attractor was found, and as what."""
+    kind = result["kind"].values
+    for k, number in enumerate(result["attractor"].values.tolist()):
+        there = kind[:, k] != ""
+        values = result["parameter"].values[there]
+        yield (
+            number, float(values[0]), float(values[-1]), sorted(set(kind[there, k].tolist())),
+            sorted(set(result["period"].values[there, k].tolist()) - {0}),
+            float(result["fraction"].values[there, k].max()),
+        )  # fmt: skip
+
+
+def _first_periods(periods: list[int]) -> str:
+    more = ", ..." if len(periods) > _SHOWN else ""
+    return ", ".join(map(str, periods[:_SHOWN])) + more
 
 
 def waterfall(task: Task) -> None:

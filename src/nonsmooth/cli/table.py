@@ -342,6 +342,26 @@ TABLE = {
         example="nonsmooth ensemble soft_impact"
         " --over x=-1:1:5 --over omega=0.7:0.9:3 --save runs.nc",
     ),
+    "picture": Entry(
+        "Draw up all that a system does over a parameter: attractors, shares of basins, branches.",
+        "sweeps.picture",
+        (("bifurcation_picture", "-between"), ("StroboscopicMap", "phase")),
+        (
+            _over(
+                "The parameter with its least and largest value; and each state from whose range"
+                " starts are drawn.",
+                "NAME=A:B",
+                required=True,
+                multiple=True,
+            ),
+            _draw("State to draw, the first one by default.", "NAME"),
+        ),
+        plot="attractors, branches and shares",
+        save="the result",
+        size=(16.0, 11.0),
+        example="nonsmooth picture soft_impact omega=0.8 --over a=0.3:0.5 --over x=-2:2"
+        " --over v=-2:2 --values 11 --starts 10",
+    ),
     "attractors": Entry(
         "Find the attractors of a region from random initial states.",
         "basins.attractors",

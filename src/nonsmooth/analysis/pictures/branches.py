@@ -18,7 +18,7 @@ from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["BranchCollector", "Cycle"]
+__all__ = ["BranchCollector", "OrbitPoints"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -30,7 +30,7 @@ _LEAVING = ("flip", "symmetry_breaking", "branch_point")  # where other branches
 
 
 @dataclass(frozen=True)
-class Cycle:
+class OrbitPoints:
     """An orbit at one value of the parameter, by its points on the map."""
 
     value: float
@@ -60,7 +60,7 @@ class BranchCollector:
     failures: list[str] = field(default_factory=list)  # of cycles that began no branch
     complete: bool = True
 
-    def add_all(self, cycles: Iterator[Cycle]) -> None:
+    def add_all(self, cycles: Iterator[OrbitPoints]) -> None:
         """Follow each cycle that lies on no branch, and what leaves the branches."""
         for cycle in cycles:
             if not self.complete or len(self.branches) >= _MOST:
@@ -68,7 +68,7 @@ class BranchCollector:
             if cycle.period <= self.longest and not self.holds(cycle):
                 self._follow(cycle.value, initial=self._start(cycle), period=cycle.period)
 
-    def holds(self, cycle: Cycle) -> bool:
+    def holds(self, cycle: OrbitPoints) -> bool:
         """Whether a cycle lies on a branch that is known."""
         return any(
             self._passes(branch, cycle)
@@ -76,7 +76,7 @@ class BranchCollector:
             if _period(branch) == cycle.period
         )
 
-    def _passes(self, branch: xr.Dataset, cycle: Cycle) -> bool:
+    def _passes(self, branch: xr.Dataset, cycle: OrbitPoints) -> bool:
         values, states = branch[self.parameter].values, self._states(branch)
         before, after = values[:-1] - cycle.value, values[1:] - cycle.value
         for i in np.flatnonzero(before * after <= 0.0):
@@ -92,7 +92,7 @@ class BranchCollector:
                 return True
         return False
 
-    def _orbit_at(self, branch: xr.Dataset, place: int, cycle: Cycle) -> Floats | None:
+    def _orbit_at(self, branch: xr.Dataset, place: int, cycle: OrbitPoints) -> Floats | None:
         """State of the orbit of a branch at the value of a cycle, from a point of the branch."""
         try:
             found = find_orbit(
@@ -103,7 +103,7 @@ class BranchCollector:
             return None
         return np.array([float(found[name]) for name in self.chosen.system.states])
 
-    def _start(self, cycle: Cycle) -> Any:
+    def _start(self, cycle: OrbitPoints) -> Any:
         if cycle.anchor is not None:
             return cycle.anchor
         return dict(zip(self.chosen.system.states, cycle.points[0].tolist(), strict=True))
