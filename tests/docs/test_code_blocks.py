@@ -22,9 +22,9 @@ ROOT = Path(__file__).parents[2]
 EVERY_PAGE = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # The chapter takes minutes; the others up to one, and what they call is tested by itself.
 LONG = {
-    "alarm.md", "chapter.md", "fatigue-lives.md", "fit.md", "many-orbits.md",
-    "rotating-machines.md", "rotor.md", "smoothing.md", "case-studies/cracked-beam.md",
-    "case-studies/fatigue-rig.md", "case-studies/mole.md",
+    "alarm.md", "bifurcation-pictures.md", "chapter.md", "fatigue-lives.md", "fit.md",
+    "many-orbits.md", "rotating-machines.md", "rotor.md", "smoothing.md",
+    "case-studies/cracked-beam.md", "case-studies/fatigue-rig.md", "case-studies/mole.md",
 }  # fmt: skip
 DRAWN = {"tutorials", "case-studies", "explanation", "figures.md"}
 

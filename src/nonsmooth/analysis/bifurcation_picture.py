@@ -276,7 +276,7 @@ def _unstable(
 
 def _message(columns: Sequence[Column], collector: BranchCollector, complete: bool) -> str:
     """What was found, and what was not."""
-    said = [] if complete else ["interrupted by the user; what was found until then is kept"]
+    said = ["completed" if complete else "interrupted by the user; what was found is kept"]
     most = max((len(column.attractors) for column in columns), default=0)
     said.append(
         f"up to {most} attractors at one value; {len(collector.branches)} branches of orbits"

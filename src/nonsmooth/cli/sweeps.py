@@ -149,7 +149,8 @@ def picture(task: Task) -> None:
     result = bifurcation_picture(chosen, parameter, between, region, **options)
 
     task.picture("bifurcation_picture", result, drawn)
-    task.finish(result, _picture_report(result), code=task.by_message(result))
+    complete = result.attrs["status"] == "completed"
+    task.finish(result, _picture_report(result), code=task.by_message(result, complete))
 
 
 def _picture_ranges(
@@ -193,7 +194,8 @@ def _picture_report(result: xr.Dataset) -> Report:
         result[name].values.tolist() if name in result else []
         for name in ("branch_period", "branch_end_first", "branch_end_last")
     ]
-    sizes = np.bincount(result["branch_of_point"]) if "branch_of_point" in result else []
+    none = np.zeros(0, np.int64)
+    sizes = np.bincount(result["branch_of_point"] if "branch_of_point" in result else none)
     columns = [
         ("", "branch", str), ("period", "period", str), ("points", "points", str),
         ("first end", "first_end", str), ("last end", "last_end", str),
