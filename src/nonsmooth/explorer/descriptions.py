@@ -42,7 +42,7 @@ def described_view(view: View, *, new_system: bool) -> dict[str, Any]:
         "typed": {k: v for k, v in system.parameters.items() if isinstance(v, str)},
         "start": {name: float(at[name]) for name in system.states},
         "initial": dict(view.initial),
-        "unit_of_length": "periods" if system.period is not None else "units of time",
+        "unit_of_length": "in periods" if system.period is not None else "in units of time",
         "period": system.period_value,
         "view": {
             name: getattr(view, name)

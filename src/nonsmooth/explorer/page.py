@@ -15,13 +15,14 @@ from typing import Any
 
 import bokeh
 from bokeh.document import Document
-from bokeh.events import SelectionGeometry, Tap
+from bokeh.events import DoubleTap, SelectionGeometry, Tap
 from bokeh.models import ColumnDataSource
 from jinja2 import Template
 
 from nonsmooth.explorer.jobs import Crew
 from nonsmooth.explorer.openings import presets
 from nonsmooth.explorer.panes.diagram import PERIOD_COLOURS, DiagramPane
+from nonsmooth.explorer.panes.look import is_zoomed
 from nonsmooth.explorer.panes.motion import HistoryPane, PortraitPane
 from nonsmooth.explorer.panes.plane import PlanePane
 from nonsmooth.explorer.session import Session
@@ -30,6 +31,8 @@ from nonsmooth.explorer.view import View
 from nonsmooth.version import __version__
 
 __all__ = ["build_page"]
+
+_DOUBLE = 350  # milliseconds in which a second click comes; the page's figures take 300 for it
 
 
 class _Panes:
@@ -111,7 +114,8 @@ def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Se
     from_page.on_change("tags", hear)
     for name, figure in panes.figures().items():
         # before the figure joins the document, which looks for them then
-        figure.on_event(Tap, _tapped(session, name))
+        if name != "history":
+            _hear_taps(figure, session, later)
         figure.on_event(SelectionGeometry, _boxed(session, name))
         document.add_root(figure)
     document.add_root(to_page)
@@ -123,12 +127,27 @@ def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Se
     return session
 
 
-def _tapped(session: Session, pane: str) -> Callable[[Any], None]:
-    def tell(event: Any) -> None:
-        if pane != "history" and event.x is not None:
-            session.hear(json.dumps({"do": "click", "pane": pane, "x": event.x, "y": event.y}))
+def _hear_taps(figure: Any, session: Session, later: Callable[[Callable[[], None], int], None]) -> None:
+    """A click into a figure is a gesture. Two of them show all of a figure that shows a box of it,
+    so there a click waits for a second one."""
+    latest = 0
 
-    return tell
+    def tell(event: Any) -> None:
+        nonlocal latest
+        latest += 1
+        if event.x is None:
+            return
+        click = json.dumps({"do": "click", "pane": figure.name, "x": event.x, "y": event.y})
+        this = latest
+        wait = _DOUBLE if is_zoomed(figure) else 0
+        later(lambda: session.hear(click) if this == latest else None, wait)
+
+    def double(event: Any) -> None:
+        nonlocal latest
+        latest += 1
+
+    figure.on_event(Tap, tell)
+    figure.on_event(DoubleTap, double)
 
 
 def _boxed(session: Session, pane: str) -> Callable[[Any], None]:

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from bokeh.models import (
-    BoxSelectTool,
-    BoxZoomTool,
-    PanTool,
-    Range1d,
-    WheelZoomTool,
-)
+from bokeh.models import BoxSelectTool, BoxZoomTool, Range1d
 from bokeh.plotting import figure
 
-__all__ = ["INK", "QUIET", "axis_text", "bare", "fit", "new_figure"]
+__all__ = ["INK", "QUIET", "axis_text", "bare", "fit", "is_zoomed", "new_figure"]
 
 INK, QUIET, GRID = "#1f2933", "#5f6b76", "#e6eaee"
 _FONT = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif"
 _LEFT, _BOTTOM = 62, 44  # pixels for ticks and labels, alike everywhere
+_MOST_UPWARD = 31  # characters beside the upward axis of a page with 720 pixels
 _ROOM = 0.05  # beside the data, on each side
+_ROUNDING = 1e-12  # of a value: ends that differ by less are one value
 
 
 def new_figure(name: str, *, boxes: bool) -> Any:
@@ -42,7 +38,7 @@ def new_figure(name: str, *, boxes: bool) -> Any:
         lod_threshold=None,
     )
     drag = BoxSelectTool(persistent=False) if boxes else BoxZoomTool()
-    plot.add_tools(drag, WheelZoomTool(), PanTool())
+    plot.add_tools(drag)
     plot.toolbar.active_drag = drag
     for axis in plot.axis:
         axis.axis_label_text_font = axis.major_label_text_font = _FONT
@@ -63,15 +59,23 @@ def bare(plot: Any) -> None:
     plot.xaxis.axis_label = plot.yaxis.axis_label = ""
 
 
-def axis_text(name: str, label: tuple[str, str], most: int = 30) -> str:
-    """Text of an axis: symbol, meaning and unit; the symbol alone where the meaning is too long."""
+def axis_text(name: str, label: tuple[str, str], most: int = _MOST_UPWARD) -> str:
+    """Text of an axis: symbol, meaning and unit; without the meaning where that is too long."""
     words, unit = label
-    short = words in ("", name) or len(name) + len(words) + len(unit) > most
-    text = name if short else f"{name}: {words}"
-    return f"{text} [{unit}]" if unit not in ("", "1") else text
+    behind = f" [{unit}]" if unit not in ("", "1") else ""
+    text = f"{name}: {words}{behind}"
+    return f"{name}{behind}" if words in ("", name) or len(text) > most else text
 
 
 def fit(axis_range: Any, low: float, high: float, *, room: float = _ROOM) -> None:
-    """Let a range hold two ends, with some room beside them."""
-    reach = (high - low) * room if high > low else max(abs(high), 1.0) * _ROOM
-    axis_range.update(start=low - reach, end=high + reach)
+    """Let a range hold two ends, with some room beside them; a double click comes back to it."""
+    size = max(abs(low), abs(high))
+    reach = (high - low) * room if high - low > _ROUNDING * size else (size or 1.0) * _ROOM
+    start, end = low - reach, high + reach
+    axis_range.update(start=start, end=end, reset_start=start, reset_end=end)
+
+
+def is_zoomed(plot: Any) -> bool:
+    """Whether a visitor has drawn a box that a figure shows larger."""
+    ranges = (plot.x_range, plot.y_range)
+    return any((r.start, r.end) != (r.reset_start, r.reset_end) for r in ranges)

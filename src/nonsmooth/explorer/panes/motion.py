@@ -15,6 +15,7 @@ from nonsmooth.explorer.view import View
 __all__ = ["HistoryPane", "PortraitPane"]
 
 _DASHES = ("solid", "dashed", "dotted", "dotdash")
+_MOST_ACROSS = 27  # characters below the portrait, which is narrow
 _NO_EVENTS: dict[str, list[Any]] = {
     key: [] for key in ("x", "y", "name", "when", "reason", "certificate", "fill")
 }
@@ -122,7 +123,7 @@ class PortraitPane:
         for axis_range, name in ((self.plot.x_range, x), (self.plot.y_range, y)):
             values = piece["values"][name]
             fit(axis_range, float(np.nanmin(values)), float(np.nanmax(values)))
-        self.plot.xaxis.axis_label = axis_text(x, piece["labels"][x])
+        self.plot.xaxis.axis_label = axis_text(x, piece["labels"][x], _MOST_ACROSS)
         self.plot.yaxis.axis_label = axis_text(y, piece["labels"][y])
         self.clear_orbit()
 

@@ -25,6 +25,7 @@ class PlanePane:
     def __init__(self) -> None:
         self.plot = new_figure("plane", boxes=True)
         self.plot.grid.visible = False
+        self.plot.xaxis.ticker.desired_num_ticks = 4  # numbers of a small region are long
         self.image = ColumnDataSource(dict(_NO_IMAGE))
         self.plot.image_rgba("image", "x", "y", "dw", "dh", source=self.image, level="image")
         self.points = ColumnDataSource(dict(_NO_POINTS))

@@ -106,7 +106,12 @@ function showSliders(sliders_) {
   }
   for (const slider of sliders_) {
     const { range } = made.get(slider.name);
-    Object.assign(range, { min: slider.low, max: slider.high, step: slider.step });
+    // What it may take does not change while it is moved alone: it keeps a typed value as its end.
+    const moved = document.activeElement === range;
+    const [low, high] = moved
+      ? [Math.min(slider.low, range.min), Math.max(slider.high, range.max)]
+      : [slider.low, slider.high];
+    Object.assign(range, { min: low, max: high, step: slider.step });
     if (document.activeElement !== range || flying === null) range.value = slider.value;
     range.setAttribute("aria-valuetext", `${text(slider.value)} ${slider.unit}`.trim());
   }

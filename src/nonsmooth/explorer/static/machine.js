@@ -12,6 +12,7 @@ const play = document.getElementById("play");
 const eventText = document.getElementById("event-text");
 const seconds = 12; // of the clock on the wall for the whole motion
 const pause = 30; // milliseconds at least from one picture of the machine to the next
+const lineHeight = 16; // pixels, of texts in the drawing
 const calm = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 let drawing = null;
@@ -95,7 +96,9 @@ function paintShape(context, shape, frame, toX, toY) {
     context.font = "13px system-ui, 'DejaVu Sans', sans-serif";
     context.textAlign = "center";
     context.textBaseline = "middle";
-    context.fillText(shape.text, toX(shape.x[begin]), toY(shape.y[begin]));
+    const lines = shape.text.split("\n"); // a canvas writes a text as one line
+    const first = toY(shape.y[begin]) - 0.5 * (lines.length - 1) * lineHeight;
+    lines.forEach((line, k) => context.fillText(line, toX(shape.x[begin]), first + k * lineHeight));
     return;
   }
   context.beginPath();

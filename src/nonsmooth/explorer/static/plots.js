@@ -13,8 +13,11 @@ const box = 0.25; // half of a box around the cross
 function frame(pane) {
   views[pane] ??= Bokeh.index.find_one(model(pane));
   if (!views[pane]?.frame) return null;
-  const { frame: { bbox: bounds }, model: figure } = views[pane];
-  return { figure, left: bounds.left, top: bounds.top, width: bounds.width, height: bounds.height };
+  const { frame: { x_scale: across, y_scale: upward }, model: figure } = views[pane];
+  // where the scales put the ends of the ranges, which is no whole number of pixels
+  const [left, right] = [figure.x_range.start, figure.x_range.end].map((end) => across.compute(end));
+  const [bottom, top] = [figure.y_range.start, figure.y_range.end].map((end) => upward.compute(end));
+  return { figure, left, top, width: right - left, height: bottom - top };
 }
 
 function place(at, x, y) {
@@ -122,7 +125,7 @@ export function keys(pane, plot) {
   });
 }
 
-// Ranges change by wheel and pan as well: marks follow them.
+// A box in the motion is shown larger by Bokeh, and a double click shows all of it again: marks follow.
 export function follow() {
   for (const pane of Object.keys(marks)) {
     // the pane is the stop of the Tab key, and not the figure within it
@@ -131,6 +134,9 @@ export function follow() {
     const { x_range, y_range } = model(pane);
     for (const range of [x_range, y_range]) {
       range.change.connect(() => requestAnimationFrame(() => draw(pane)));
+    }
+    if (["history", "portrait"].includes(pane)) {
+      overlay(pane).parentElement.addEventListener("dblclick", () => [x_range, y_range].forEach((range) => range.reset()));
     }
     new ResizeObserver(() => setTimeout(() => draw(pane), 50)).observe(overlay(pane));
   }
