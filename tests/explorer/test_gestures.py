@@ -87,6 +87,17 @@ def test_a_start_at_rest_is_no_start():
     assert after(view, {"do": "start", "states": {}}).initial == ()
 
 
+def test_a_start_and_a_range_may_be_expressions_and_nothing_else():
+    view = after(WALL, {"do": "start", "states": {"x": "-pi/3", "v": 0.1 + 0.2}})
+    assert dict(view.initial) == pytest.approx({"x": -1.047197551196598, "v": 0.3}, abs=1e-15)
+    view = after(WALL, {"do": "set", "fields": {"between": "pi/2,pi", "leave_out": "2*10"}})
+    assert view.between == pytest.approx((1.570796326794897, 3.141592653589793), abs=1e-15)
+    assert view.leave_out == 20.0
+    for text in ("x", "1/0", "", "0,5", "nan"):
+        with pytest.raises(NonsmoothError, match=r"^x(:| = )"):
+            after(WALL, {"do": "start", "states": {"x": text}})
+
+
 def test_lists_and_links():
     assert after(WALL, {"do": "preset", "number": 3}) == presets()[3].view
     assert after(WALL, {"do": "link", "link": "#" + to_link(MOLE)}) == MOLE

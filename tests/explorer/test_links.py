@@ -71,6 +71,8 @@ def test_a_typed_system_gets_a_view_that_shows_something():
     [
         ("mdl=moling", "unknown word 'mdl'; did you mean 'model'"),
         ("model=moling&length=ten", "length = 'ten' is not a number"),
+        ("model=moling&columns=inf", "columns = 'inf' is not a finite number"),
+        ("model=moling&columns=2.5", "columns = '2.5' is not a whole number"),
         ("text=%21%21", "its text is damaged"),
         ("x" * 200_000, "the link has 200,000 characters"),
     ],

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from explorer.conftest import SMALL
 from explorer.typed_systems import RIGID, ZENO
 from nonsmooth.explorer.links import from_link, to_link
-from nonsmooth.explorer.openings import presets
+from nonsmooth.explorer.openings import opening, presets
 
 pytestmark = pytest.mark.browser
 
@@ -77,6 +78,34 @@ def test_a_wrong_equation_has_its_message_under_the_fault(screen, wall):
     assert not alert.is_visible()
 
 
+def test_the_mark_of_a_fault_lies_on_it_though_the_editor_is_scrolled(screen, wall):
+    screen.open(wall)
+    row = 'v = "sin(w*t) - d*v - x' + " + 0*x" * 12 + '"'  # wider than the editor
+    text = SPRING.replace('v = "sin(w*t) - c*v - x"', row) + "\n" * 12
+    typed(screen, text)
+    screen.page.keyboard.press("Control+Enter")
+    screen.page.locator("#marks mark").wait_for()
+    line = text.split("\n").index(row)
+    place = "element => element.getBoundingClientRect().top"
+    box = screen.page.locator("#text")
+    box.evaluate("element => { element.scrollTop = 1e6; }")
+    screen.page.wait_for_timeout(100)
+    expected = box.evaluate(place) + 6 + 18 * line - box.evaluate("element => element.scrollTop")
+    # a mark is less high than its line
+    assert screen.page.locator("#marks mark").evaluate(place) == pytest.approx(expected, abs=5)
+
+
+def test_texts_of_a_drawing_have_their_lines(screen):
+    screen.page.add_init_script(
+        "window.texts = new Set(); const write = CanvasRenderingContext2D.prototype.fillText;"
+        " CanvasRenderingContext2D.prototype.fillText = function (text, ...place)"
+        " { texts.add(text); write.call(this, text, ...place); }"
+    )
+    screen.open(replace(opening("duffing"), **SMALL))
+    screen.page.wait_for_function("texts.has('max')")
+    assert not [text for text in screen.page.evaluate("[...texts]") if "\n" in text]
+
+
 @pytest.mark.slow
 def test_another_system_leaves_nothing_of_the_one_before(screen, wall):
     """At rest on the ground, rebounds accumulate at once: there is one point of a motion."""
@@ -133,6 +162,35 @@ def test_a_slider_moves_the_motion_and_its_number(screen, wall):
     assert len(screen.page.evaluate("explorer.timings")) >= 1
 
 
+def test_a_slider_keeps_a_typed_value_as_its_end_while_it_is_moved(screen, wall):
+    screen.open(wall)
+    slider, field = screen.page.locator("#p-zeta"), screen.page.get_by_label("value of zeta")
+    assert slider.get_attribute("max") == "0.04"
+    screen.after("ranges", lambda: field.fill("0.3") or field.press("Enter")).settle()
+    slider.focus()
+    for _ in range(3):
+        screen.after("ranges", lambda: slider.press("PageDown")).settle()
+    assert screen.field("value of zeta") < 0.25
+    screen.after("motion", lambda: slider.press("End")).settle()
+    assert screen.field("value of zeta") == 0.3
+
+
+def test_a_start_is_typed_as_an_expression_or_refused_with_the_reason(screen, wall):
+    screen.open(wall)
+    x = screen.page.locator("#start input").nth(0)
+    screen.after("motion", lambda: x.fill("-pi/3") or x.press("Enter")).settle()
+    assert dict(from_link(screen.link).initial) == {"x": -math.pi / 3}
+    assert x.input_value() == "-1.047197551"
+    # the other state is typed, and the first one keeps the digits that its field does not show
+    v = screen.page.locator("#start input").nth(1)
+    screen.after("motion", lambda: v.fill("1") or v.press("Enter")).settle()
+    assert dict(from_link(screen.link).initial) == {"x": -math.pi / 3, "v": 1.0}
+    v.fill("fast")
+    v.press("Enter")
+    screen.page.locator("#start input.wrong").wait_for()
+    assert "v = 'fast' is not a number" in screen.page.locator("#toast").inner_text()
+
+
 @pytest.mark.slow
 def test_a_value_that_is_refused_is_told_with_the_reason(screen, wall):
     screen.open(wall)
@@ -166,6 +224,57 @@ def test_a_click_in_the_basin_or_the_portrait_starts_there(screen, wall):
         shown = float(screen.page.locator("#start input").nth(0).input_value())
         assert shown == pytest.approx(at["x"], rel=1e-9)  # ten digits are shown
         screen.settle()
+
+
+def test_a_double_click_shows_all_of_a_motion_again(screen, wall):
+    screen.open(wall)
+    link = screen.link
+    ends = "[it.x_range.start, it.x_range.end, it.y_range.start, it.y_range.end]"
+    for pane in ("history", "portrait"):
+        whole = screen.model(pane, ends)
+        for _ in range(2):
+            screen.drag(pane, (0.25, 0.2), (0.75, 0.8))
+            screen.page.wait_for_timeout(200)
+            left, right = screen.model(pane, ends)[:2]
+            # a box of half the width, drawn to a pixel
+            assert (right - left) / (whole[1] - whole[0]) == pytest.approx(0.5, abs=0.02)
+            screen.page.mouse.dblclick(*screen.place(pane, 0.5, 0.5))
+            screen.page.wait_for_timeout(500)
+            assert screen.model(pane, ends) == whole
+    assert screen.link == link  # no click of them has moved the start
+    screen.drag("portrait", (0.25, 0.2), (0.75, 0.8))
+    screen.page.wait_for_timeout(200)
+    screen.after("motion", lambda: screen.page.mouse.click(*screen.place("portrait", 0.5, 0.5)))
+    assert from_link(screen.link).initial  # one click has
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 720), (1501, 903)])
+def test_marks_stand_where_their_values_are(screen, mole, width, height):
+    """Within half a pixel, also in panes whose frames are no whole number of pixels wide."""
+    screen.page.set_viewport_size({"width": width, "height": height})
+    screen.open(mole)
+    screen.page.get_by_role("button", name="Next event").click()
+    screen.settle()
+    middle = """kind => {
+      const { left, width, top, height } = document.querySelector(kind).getBoundingClientRect();
+      return [left + width / 2, top + height / 2];
+    }"""
+    rule, dot = (
+        screen.page.evaluate(middle, f'[data-pane="history"] .{kind}') for kind in ("rule", "dot")
+    )
+    assert rule[0] == pytest.approx(dot[0], abs=0.5)
+    for pane, kind, x, y in (("plane", "start", 0, 0), ("diagram", "rule", 0.15, None)):
+        across, up = screen.model(
+            pane,
+            f"""(() => {{
+              const {{ el, frame }} = Bokeh.index.find_one(it);
+              const {{ left, top }} = el.getBoundingClientRect();
+              return [left + frame.x_scale.compute({x}), top + frame.y_scale.compute({y or 0})];
+            }})()""",
+        )
+        found = screen.page.evaluate(middle, f'[data-pane="{pane}"] .{kind}')
+        assert found[0] == pytest.approx(across, abs=0.5)
+        assert y is None or found[1] == pytest.approx(up, abs=0.5)
 
 
 @pytest.mark.slow

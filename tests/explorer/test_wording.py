@@ -6,6 +6,8 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.errors import NonsmoothError, RunWarning
+from nonsmooth.explorer.gestures import after
+from nonsmooth.explorer.openings import opening
 from nonsmooth.explorer.wording import in_words_of_page, of_field, sentence_of
 
 ZENO = """name = "zeno"
@@ -50,10 +52,38 @@ def test_no_word_for_programs_is_left():
         assert not OF_PROGRAMS.search(in_words_of_page(message)), in_words_of_page(message)
 
 
-def test_a_field_is_no_link():
-    assert of_field("link: leave_out = 'abc' is not a number") == (
-        "leave out = 'abc' is not a number"
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ({"leave_out": "abc"}, "leave out = 'abc' is not a number"),
+        ({"leave_out": "-1"}, "leave out = -1 is not from 0 to 20000"),
+        ({"length": "0"}, "show = 0 is not from"),
+        ({"between": "0.1"}, "from and to: 1 entries"),
+        ({"section": "2"}, "at = '2': it does not change"),
+    ],
+)
+def test_a_field_has_the_name_that_stands_beside_it(fields, said):
+    with pytest.raises(NonsmoothError) as told:
+        after(opening("moling"), {"do": "set", "fields": fields})
+    assert of_field(str(told.value)).startswith(said)
+
+
+def test_a_text_that_stands_in_its_field_is_not_repeated():
+    with pytest.raises(NonsmoothError) as told:
+        after(opening("moling"), {"do": "value", "name": "b", "value": "0,15"})
+    assert "^" in str(told.value)
+    assert in_words_of_page(str(told.value)) == (
+        "b: ',' does not belong here; a decimal point is a point, as in 0.5"
     )
+
+
+def test_basins_at_a_section_say_which_field_to_change():
+    section = ns.PoincareMap(ns.models.moling(), "impact")
+    with pytest.raises(NonsmoothError) as told:
+        ns.basins_of_attraction(section, {"p": (-1, 1), "y": (-1, 1)}, cells=2)
+    said = in_words_of_page(str(told.value))
+    assert said.startswith("the motion of 'moling' depends on time")
+    assert said.endswith("leave the field 'at' empty, or choose the picture Section")
 
 
 def test_the_first_sentence():

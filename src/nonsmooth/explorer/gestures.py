@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from nonsmooth.errors import NonsmoothError, OptionError, is_known, unknown_name
-from nonsmooth.explorer.links import from_link, read_field
+from nonsmooth.explorer.links import from_link, read_field, read_number
 from nonsmooth.explorer.openings import opening, presets
 from nonsmooth.explorer.view import View
 
@@ -106,7 +106,9 @@ def opening_range(view: View, over: str) -> tuple[float, ...]:
 
 def _start(view: View, gesture: Gesture) -> View:
     """States typed as a start; those at rest are left out."""
-    given = {str(name): float(value) for name, value in gesture["states"].items()}
+    given = {
+        str(name): read_number(str(name), str(value)) for name, value in gesture["states"].items()
+    }
     return _started(view, given)
 
 

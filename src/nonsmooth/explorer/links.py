@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import math
 import zlib
 from dataclasses import fields
 from typing import Any
@@ -11,8 +12,11 @@ from urllib.parse import parse_qsl, urlencode
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.explorer.view import View
+from nonsmooth.system.text.evaluate import constant_value
+from nonsmooth.system.text.expressions import names_in
+from nonsmooth.system.text.grammar import parse
 
-__all__ = ["from_link", "read_field", "to_link"]
+__all__ = ["from_link", "read_field", "read_number", "to_link"]
 
 _DEFAULTS = {item.name: item.default for item in fields(View)}
 _PAIRS = {"p.": "values", "at.": "initial"}
@@ -48,7 +52,7 @@ def from_link(link: str) -> View:
     for name, text in parse_qsl(link.lstrip("#?"), keep_blank_values=True):
         prefix = next((key for key in _PAIRS if name.startswith(key)), "")
         if prefix:
-            value = text if prefix == "p." else _number(name, text)
+            value = text if prefix == "p." else read_number(name, text)
             found[_PAIRS[prefix]].append((name.removeprefix(prefix), value))
         elif name in _DEFAULTS:
             found[name] = read_field(name, text)
@@ -68,20 +72,42 @@ def read_field(name: str, text: str) -> Any:
     if isinstance(default, bool):
         return text == "1"
     if isinstance(default, int):
-        return int(_number(name, text))
+        return _whole_number(name, text)
     if isinstance(default, float):
-        return _number(name, text)
+        return read_number(name, text)
     if isinstance(default, tuple):
         parts = [part for part in text.split(",") if part]
-        return tuple(_number(name, part) for part in parts) if name in _NUMBERS else tuple(parts)
+        return (
+            tuple(read_number(name, part) for part in parts) if name in _NUMBERS else tuple(parts)
+        )
     return text
 
 
-def _number(name: str, text: str) -> float:
+def read_number(name: str, text: str) -> float:
+    """A finite number of a text, which may be a constant expression such as ``pi/2``."""
     try:
-        return float(text)
+        value = float(text)
     except ValueError:
-        raise OptionError(f"link: {name} = {text!r:.40} is not a number") from None
+        value = _constant(name, text)
+    if not math.isfinite(value):
+        raise OptionError(f"{name} = {text!r:.40} is not a finite number")
+    return value
+
+
+def _constant(name: str, text: str) -> float:
+    tree = parse(text, where=name)
+    if any(each.name != "pi" for each in names_in(tree)):
+        raise OptionError(
+            f"{name} = {text!r:.40} is not a number, nor a constant expression such as pi/2"
+        )
+    return constant_value(tree, {})
+
+
+def _whole_number(name: str, text: str) -> int:
+    value = read_number(name, text)
+    if not value.is_integer():
+        raise OptionError(f"{name} = {text!r:.40} is not a whole number")
+    return int(value)
 
 
 def _packed(text: str) -> str:

@@ -127,9 +127,13 @@ def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Se
     return session
 
 
-def _hear_taps(figure: Any, session: Session, later: Callable[[Callable[[], None], int], None]) -> None:
-    """A click into a figure is a gesture. Two of them show all of a figure that shows a box of it,
-    so there a click waits for a second one."""
+def _hear_taps(
+    figure: Any, session: Session, later: Callable[[Callable[[], None], int], None]
+) -> None:
+    """A click into a figure is a gesture, and two are none.
+
+    Two show all of a figure again that shows a box of it, so there a click waits for a second one.
+    """
     latest = 0
 
     def tell(event: Any) -> None:

@@ -30,9 +30,15 @@ _ADVICE = {
     " limits, or go on in Python by simulate(system, run, ...) with the result as the start": "the"
     " motion has taken the work that a page gives to one; for more, copy the script",
     ", which a longer transient= or regime tells": "",
+    "; take its StroboscopicMap": "; leave the field 'at' empty, or choose the picture Section",
 }
 _PARAMETER = re.compile(r"parameters\[['\"](\w+)['\"]\]")
-_OF_LINK = re.compile(r"^link: (\w+) = ")
+_OF_FIELD = re.compile(r"^([a-z_]+)(?= = |: )")
+_VERB = re.compile(
+    r"^(simulate|find_orbit|continue_orbit|bifurcation_diagram|basins_of_attraction"
+    r"|poincare_section): "
+)
+_CARET = re.compile(r"\n[^\n]*\n *\^$")  # of a text that stands in its field already
 _OPTION = re.compile(r"\b([a-z_]+)=(?=[\s,;.)]|$)")
 
 
@@ -40,15 +46,14 @@ def in_words_of_page(message: str) -> str:
     """A message as a visitor reads it, who sees fields of the page and no options of verbs."""
     for advice, instead in _ADVICE.items():
         message = message.replace(advice, instead)
-    message = _PARAMETER.sub(r"\1", message)
+    message = _PARAMETER.sub(r"\1", _CARET.sub("", _VERB.sub("", message)))
     return _OPTION.sub(lambda found: _FIELDS.get(found[1], found[1].replace("_", " ")), message)
 
 
 def of_field(message: str) -> str:
-    """A message about a typed field, which is no link for its visitor."""
-    return _OF_LINK.sub(
-        lambda found: f"{_FIELDS.get(found[1], found[1].replace('_', ' '))} = ",
-        in_words_of_page(message),
+    """A message about a typed field, which begins with the name that the page has for it."""
+    return _OF_FIELD.sub(
+        lambda found: _FIELDS.get(found[1], found[1].replace("_", " ")), in_words_of_page(message)
     )
 
 

@@ -8,6 +8,7 @@ const start = document.getElementById("start");
 const made = new Map(); // slider and field of each parameter
 const starts = new Map();
 let typed = {}; // values that are texts
+let begun = {}; // where the motion begins, with all digits
 const asked = new Map(); // field that a gesture came from, by the number of the gesture
 let flying = null; // number of the gesture of a slider that is under way
 let waiting = null; // the next one
@@ -118,6 +119,7 @@ function showSliders(sliders_) {
 }
 
 function showStart(message) {
+  begun = message.start;
   const names = Object.keys(message.start);
   if (names.join() !== [...starts.keys()].join()) {
     start.replaceChildren();
@@ -128,9 +130,7 @@ function showStart(message) {
       field.inputMode = "decimal";
       label.append(name, field);
       field.addEventListener("change", () => {
-        const states = Object.fromEntries([...starts].map(([key, each]) => [key, Number(each.value)]));
-        if (Object.values(states).some(Number.isNaN)) field.classList.add("wrong");
-        else send({ do: "start", states });
+        sendFrom(field, { do: "start", states: { ...begun, [name]: field.value } });
       });
       starts.set(name, field);
       start.append(label);
