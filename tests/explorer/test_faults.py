@@ -72,6 +72,23 @@ def test_a_fault_of_toml_has_its_line(old, new, row):
     assert 1 <= fault.column <= len(row) + 1
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("[parameters]", "[parameter]", 5),
+        ("period", "periode", 3),
+        ('name = "lower"\nreset', 'name = "lower"\nresset', 21),
+        ('name = "upper"\nreset', 'name = "upper"\nresset', 16),
+        ("free.flow", "free.flows", 9),
+        ('guard = "x + 1"\n', "", 18),
+        ('x = "v"\n', "", 9),
+    ],
+)
+def test_a_key_that_is_unknown_or_missing_has_the_line_of_its_key_or_table(old, new, line):
+    text, fault = fault_of(old, new)
+    assert fault.line == line, fault
+
+
 def test_a_text_that_is_cut_in_the_message_is_found_all_the_same():
     long = " + ".join(f"{k}*x" for k in range(60))
     text, fault = fault_of("cos(omega*t) - x", f"{long} + nothing + {long}")

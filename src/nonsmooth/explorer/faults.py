@@ -9,6 +9,7 @@ __all__ = ["TextFault", "find_fault"]
 
 _TOML_PLACE = re.compile(r"line (\d+),? column (\d+)")
 _PLACE = re.compile(r"^([\w.\[\]]+): ")
+_UNKNOWN_KEY = re.compile(r"^(?:top level|[\w.\[\]]+): unknown key '([^']+)'")
 _NUMBER = re.compile(r"\[\d+\]")
 _HEAD = re.compile(r"\s*\[\[?([^\]]+)\]\]?")
 _SHOWN = "    "  # in front of the text that a message repeats, and of its caret
@@ -45,6 +46,9 @@ def find_fault(text: str, message: str) -> TextFault:
         if where:
             k = max(where, key=lambda k: (_likeness(lines, k, place), -k))
             return TextFault(said, k + 1, where[k] + caret - lead + 1)
+    unknown = _UNKNOWN_KEY.match(said)
+    if unknown:
+        place = f"{place}.{unknown[1]}" if place else unknown[1]
     if place:
         k = max(range(len(lines)), key=lambda k: (_likeness(lines, k, place), -k))
         if _likeness(lines, k, place)[0]:
@@ -68,6 +72,8 @@ def _likeness(lines: list[str], k: int, place: str) -> tuple[bool, int, bool]:
     plain = _NUMBER.sub("", place)
     key = plain.rpartition(".")[2]
     has_key = bool(re.search(rf"""(^|[\s{{,]|["']){re.escape(key)}["']?\s*=""", lines[k]))
+    head = _HEAD.match(lines[k])
+    has_key = has_key or bool(head) and f"{head[1].strip()}.".startswith(f"{plain}.")
     table, number = _table_of(lines, k)
     within = len(table) if f"{plain}.".startswith(f"{table}.") else -1
     numbers = _NUMBER.findall(place)
@@ -75,6 +81,6 @@ def _likeness(lines: list[str], k: int, place: str) -> tuple[bool, int, bool]:
 
 
 def _table_of(lines: list[str], k: int) -> tuple[str, int]:
-    """Table that a line stands in, and which one of those with that name."""
-    heads = [head[1].strip() for row in lines[:k] if (head := _HEAD.match(row))]
+    """Table that a line opens or stands in, and which one of those with that name."""
+    heads = [head[1].strip() for row in lines[: k + 1] if (head := _HEAD.match(row))]
     return (heads[-1], heads.count(heads[-1]) - 1) if heads else ("", 0)
