@@ -155,7 +155,7 @@ REFUSED = [
     ("", 0, "expression ends"),
     ("a +", 3, "expression ends"),
     ("a = b", 2, "right-hand side"),
-    ("a > b", 2, "first argument of where"),
+    ("a > b", 2, "first argument of where; a guard is an expression that falls below 0"),
     ("where(a, 1, 2)", 7, "needs a comparison"),
     ("where(a > 1, 2)", 0, "takes 3"),
     ("sin", 0, "needs an argument"),

@@ -220,7 +220,11 @@ class _Parser:
         if token.kind == "end":
             return
         if token.text in COMPARISONS or token.text in _JOINING:
-            self.fail(token.at, "a condition is allowed only as the first argument of where")
+            self.fail(
+                token.at,
+                "a condition is allowed only as the first argument of where; a guard is an"
+                " expression that falls below 0, such as limit - x for x > limit",
+            )
         self.fail_at_value(token)
         hint = "; a decimal point is a point, as in 0.5" if token.text == "," else ""
         self.fail(token.at, f"{token.text!r} does not belong here{hint}")
