@@ -76,7 +76,7 @@ def test_a_fault_of_toml_has_its_line(old, new, row):
     ("old", "new", "line"),
     [
         ("[parameters]", "[parameter]", 5),
-        ("period", "periode", 3),
+        ("period", "duration", 3),
         ('name = "lower"\nreset', 'name = "lower"\nresset', 21),
         ('name = "upper"\nreset', 'name = "upper"\nresset', 16),
         ("free.flow", "free.flows", 9),
@@ -85,7 +85,7 @@ def test_a_fault_of_toml_has_its_line(old, new, row):
     ],
 )
 def test_a_key_that_is_unknown_or_missing_has_the_line_of_its_key_or_table(old, new, line):
-    text, fault = fault_of(old, new)
+    _, fault = fault_of(old, new)
     assert fault.line == line, fault
 
 

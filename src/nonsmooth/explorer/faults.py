@@ -73,7 +73,8 @@ def _likeness(lines: list[str], k: int, place: str) -> tuple[bool, int, bool]:
     key = plain.rpartition(".")[2]
     has_key = bool(re.search(rf"""(^|[\s{{,]|["']){re.escape(key)}["']?\s*=""", lines[k]))
     head = _HEAD.match(lines[k])
-    has_key = has_key or bool(head) and f"{head[1].strip()}.".startswith(f"{plain}.")
+    if head:  # a table, or one within it
+        has_key = f"{head[1].strip()}.".startswith(f"{plain}.")
     table, number = _table_of(lines, k)
     within = len(table) if f"{plain}.".startswith(f"{table}.") else -1
     numbers = _NUMBER.findall(place)
