@@ -229,23 +229,44 @@ def test_a_click_in_the_basin_or_the_portrait_starts_there(screen, wall):
 def test_a_double_click_shows_all_of_a_motion_again(screen, wall):
     screen.open(wall)
     link = screen.link
-    ends = "[it.x_range.start, it.x_range.end, it.y_range.start, it.y_range.end]"
     for pane in ("history", "portrait"):
-        whole = screen.model(pane, ends)
+        whole = ends_of(screen, pane)
         for _ in range(2):
-            screen.drag(pane, (0.25, 0.2), (0.75, 0.8))
-            screen.page.wait_for_timeout(200)
-            left, right = screen.model(pane, ends)[:2]
-            # a box of half the width, drawn to a pixel
+            left, right = box_of(screen, pane, whole)[:2]
+            # half the width, drawn to a pixel
             assert (right - left) / (whole[1] - whole[0]) == pytest.approx(0.5, abs=0.02)
             screen.page.mouse.dblclick(*screen.place(pane, 0.5, 0.5))
-            screen.page.wait_for_timeout(500)
-            assert screen.model(pane, ends) == whole
+            wait_for_ends(screen, pane, "===", whole)
+    screen.page.wait_for_timeout(700)
     assert screen.link == link  # no click of them has moved the start
-    screen.drag("portrait", (0.25, 0.2), (0.75, 0.8))
-    screen.page.wait_for_timeout(200)
+    box_of(screen, "portrait", whole)
     screen.after("motion", lambda: screen.page.mouse.click(*screen.place("portrait", 0.5, 0.5)))
     assert from_link(screen.link).initial  # one click has
+
+
+ENDS = "[it.x_range.start, it.x_range.end, it.y_range.start, it.y_range.end]"
+
+
+def ends_of(screen, pane):
+    return screen.model(pane, ENDS)
+
+
+def wait_for_ends(screen, pane, sign, ends):
+    screen.page.wait_for_function(
+        f"""ends => {{
+          const it = Bokeh.documents[0].get_model_by_name('{pane}');
+          return JSON.stringify({ENDS}) {sign} JSON.stringify(ends);
+        }}""",
+        arg=ends,
+    )
+
+
+def box_of(screen, pane, whole):
+    """Ends of a pane in which a box is drawn."""
+    screen.drag(pane, (0.25, 0.2), (0.75, 0.8))
+    wait_for_ends(screen, pane, "!==", whole)
+    screen.page.wait_for_timeout(300)  # the server hears of it too
+    return ends_of(screen, pane)
 
 
 @pytest.mark.parametrize(("width", "height"), [(1280, 720), (1501, 903)])

@@ -32,7 +32,7 @@ from nonsmooth.version import __version__
 
 __all__ = ["build_page"]
 
-_DOUBLE = 350  # milliseconds in which a second click comes; the page's figures take 300 for it
+_DOUBLE = 500  # milliseconds in which a second click comes, as browsers take it
 
 
 class _Panes:
@@ -134,24 +134,32 @@ def _hear_taps(
 
     Two show all of a figure again that shows a box of it, so there a click waits for a second one.
     """
-    latest = 0
+    waiting: dict[str, Any] | None = None
 
     def tell(event: Any) -> None:
-        nonlocal latest
-        latest += 1
+        nonlocal waiting
         if event.x is None:
             return
-        click = json.dumps({"do": "click", "pane": figure.name, "x": event.x, "y": event.y})
-        this = latest
-        wait = _DOUBLE if is_zoomed(figure) else 0
-        later(lambda: session.hear(click) if this == latest else None, wait)
+        click = {"do": "click", "pane": figure.name, "x": event.x, "y": event.y}
+        if waiting:
+            forget(event)
+        elif is_zoomed(figure):
+            waiting = click
+            later(lambda: begin(click), _DOUBLE)
+        else:
+            session.hear(json.dumps(click))
 
-    def double(event: Any) -> None:
-        nonlocal latest
-        latest += 1
+    def begin(click: dict[str, Any]) -> None:
+        if waiting is click:
+            forget(None)
+            session.hear(json.dumps(click))
+
+    def forget(event: Any) -> None:
+        nonlocal waiting
+        waiting = None
 
     figure.on_event(Tap, tell)
-    figure.on_event(DoubleTap, double)
+    figure.on_event(DoubleTap, forget)
 
 
 def _boxed(session: Session, pane: str) -> Callable[[Any], None]:
