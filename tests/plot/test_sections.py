@@ -74,3 +74,14 @@ def test_unknown_variables(points, ax):
     grid = points.assign(other=("lane", np.zeros(3)))
     with pytest.raises(OptionError, match="over the same points"):
         ns.plot.section(grid, "x", "other", ax=ax)
+
+
+def test_a_settled_section_has_numbers_that_can_be_read(ax):
+    """Points of a cycle that differ by rounding alone, across and up."""
+    noise = 3e-16 * np.arange(5.0)
+    points = xr.Dataset({"x": ("point", -0.1975 + noise), "v": ("point", 2.0 + 4.0 * noise)})
+    ns.plot.section(points, "x", "v", ax=ax)
+    ax.figure.canvas.draw()
+    texts = [text.get_text() for axis in (ax.xaxis, ax.yaxis) for text in axis.get_ticklabels()]
+    assert max(map(len, texts)) < 8
+    assert np.ptp(ax.get_xlim()) == pytest.approx(0.1 * 0.1975, rel=1e-6)

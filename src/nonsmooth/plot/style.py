@@ -198,14 +198,17 @@ def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
 
 
 def _widen_constant(ax: Axes) -> None:
-    """Give what is constant but for rounding a height, so that rounding is not what is read.
+    """Give what is constant but for rounding a span, so that rounding is not what is read.
 
-    It is the height that matplotlib gives what is constant to the last digit.
+    It is the span that matplotlib gives what is constant to the last digit.
     """
-    low, high = ax.dataLim.intervaly
-    size = max(abs(low), abs(high))
-    if ax.get_autoscaley_on() and ax.get_yscale() == "linear" and low < high < low + _FLAT * size:
-        ax.set_ylim(low - _HEIGHT * size, high + _HEIGHT * size, auto=True)
+    for (low, high), axis, is_free, set_limits in (
+        (ax.dataLim.intervalx, ax.xaxis, ax.get_autoscalex_on(), ax.set_xlim),
+        (ax.dataLim.intervaly, ax.yaxis, ax.get_autoscaley_on(), ax.set_ylim),
+    ):
+        size = max(abs(low), abs(high))
+        if is_free and axis.get_scale() == "linear" and low < high < low + _FLAT * size:
+            set_limits(low - _HEIGHT * size, high + _HEIGHT * size, auto=True)
 
 
 def _sides(ax: Axes) -> tuple[float, float]:
