@@ -342,3 +342,11 @@ def test_a_cycle_that_is_reached_slowly_is_found() -> None:
     )
     assert found["period"].values.tolist() == [2] and found["fraction"].values == [1.0]
     assert float(found["multiplier_real"][0, 0]) == pytest.approx(rate, rel=1e-6)
+
+
+@pytest.mark.parametrize("record", [1000, 20_000])
+def test_a_chaotic_set_is_one_however_few_of_its_points_are_known(record) -> None:
+    """At 1000 points it has more cells than points; two parts of it share few of them."""
+    beam = ns.models.breathing_crack(d=-0.5, crack=15.8025)
+    found = ns.attractors(beam, {"u": (-1, 1), "v": (-1, 1)}, samples=10, record=record)
+    assert found["kind"].values.tolist() == ["chaotic"] and found["fraction"].values == [1.0]

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["bifurcation_picture"]
 
+_CELLS = 32  # across the spread of each state, which the points of a record fill
 _ITERATES = 10  # records after which a start that has come to nothing is unsettled
 _EXPONENT_STEPS = 250  # of four iterates each: enough to tell chaos, at each of many values
 _SAMPLES, _GUESSES, _RECORD = 20, 40, 200  # of the search for unstable orbits
@@ -176,7 +177,7 @@ def bifurcation_picture(
     points = whole_number("points", points)
     n_searches = whole_number("searches", searches, least=0)
     record = whole_number("record", record)
-    how = read_search(samples, 64, _ITERATES * record, record, 1e-6, shared)
+    how = read_search(samples, _CELLS, _ITERATES * record, record, 1e-6, shared)
     how = replace(how, exponent_steps=_EXPONENT_STEPS)
     values = np.linspace(low, high, whole_number("columns", columns, least=2))
     maps = [(float(value), _at(chosen, parameter, float(value))) for value in values]

@@ -194,8 +194,7 @@ def _picture_report(result: xr.Dataset) -> Report:
         result[name].values.tolist() if name in result else []
         for name in ("branch_period", "branch_end_first", "branch_end_last")
     ]
-    none = np.zeros(0, np.int64)
-    sizes = np.bincount(result["branch_of_point"] if "branch_of_point" in result else none)
+    sizes = np.bincount(result.get("branch_of_point", np.zeros(0, np.int64)))
     columns = [
         ("", "branch", str), ("period", "period", str), ("points", "points", str),
         ("first end", "first_end", str), ("last end", "last_end", str),

@@ -416,8 +416,8 @@ class AttractorSearch:
         owners = self.known.owners(points[half:])
         shares = np.bincount(owners, minlength=1) / len(owners)
         shares[0] = 0.0
-        if shares.max() >= _SAME_SET:
-            number = int(shares.argmax())
+        number = int(shares.argmax()) if shares.max() >= _SAME_SET else self.known.same_set(points)
+        if number:
             self.known.add_cells(self.known.measure.keys(points[half:]), number)
             return number, False
         shrinks = self._shrinks(points)

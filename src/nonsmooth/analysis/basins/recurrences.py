@@ -29,6 +29,7 @@ __all__ = ["Known", "KnownCycles", "Measure", "confirm_visits", "new_visits", "s
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
+_AS_NEAR = 1.5  # times the distances within a set: those between two parts of it
 _SHRINKS = 0.01  # by which the slowest direction of a cycle shrinks in a run that confirms
 _NEARER = 0.1  # of its distance from a point to which a lane must have come by then
 _CLOSE = 1e-5  # beside the scale: cycles that are nearer to each other are one
@@ -193,6 +194,28 @@ class Known:
             theirs = self.measure.scaled(other.points)
             distance = np.abs(points[:, None] - theirs[None]).max(axis=2)
             if np.all(distance.min(axis=1) <= close):
+                return i + 1
+        return 0
+
+    def same_set(self, states: Floats) -> int:
+        """Number of the set among whose points some states lie as its own points do, 0 for none.
+
+        Where a set has more cells than points, two parts of it share few cells. The distance from
+        each point to the nearest one of the other part does not depend on cells.
+        """
+        from scipy.spatial import cKDTree
+
+        new = self.measure.scaled(states)
+        for i, other in enumerate(self.attractors):
+            if other.is_cycle:
+                continue
+            known = self.measure.scaled(other.points)
+            count = min(len(new), len(known))
+            early, late = known[: count // 2], known[count // 2 : count]
+            within = np.median(cKDTree(early).query(late)[0])
+            there = np.median(cKDTree(early).query(new[: count // 2])[0])
+            back = np.median(cKDTree(new[: count // 2]).query(late)[0])
+            if max(there, back) <= _AS_NEAR * within:
                 return i + 1
         return 0
 
