@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.full_spectrum import full_spectrum
     from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
+    from nonsmooth.analysis.manifold import manifold
     from nonsmooth.analysis.mirrored_orbit import mirrored_orbit
     from nonsmooth.analysis.orbit_samples import orbit_samples
     from nonsmooth.analysis.orbits import orbits
@@ -105,6 +106,7 @@ __all__ = [
     "full_spectrum",
     "local_regimes",
     "lyapunov_spectrum",
+    "manifold",
     "measured",
     "mirrored_orbit",
     "models",
@@ -160,6 +162,7 @@ _HOME = {
     "find_orbit": "nonsmooth.analysis.find_orbit",
     "fit": "nonsmooth.fitting.fit",
     "continue_orbit": "nonsmooth.analysis.continue_orbit",
+    "manifold": "nonsmooth.analysis.manifold",
     "mirrored_orbit": "nonsmooth.analysis.mirrored_orbit",
     "orbit_samples": "nonsmooth.analysis.orbit_samples",
     "continue_special": "nonsmooth.analysis.continue_special",

@@ -136,6 +136,7 @@ SMALL = {
     "picture": ["--over", "omega=0.8:0.9", "--over", "x=-1:1"],
     "basins": ["--over", "x=-1:1:4", "--over", "v=-1:1:4"],
     "section": ["--section", "v"],
+    "manifold": ["--initial", "x=-0.2032,v=1.011"],
     "fit": ["--free", "beta=15:45", "--observe", "x=x"],
     "smoothing": ["--epsilons", "0.1,0.01", "--over", "x=-1:1", "--over", "mu=0.5:0.7"],
 }

@@ -106,6 +106,7 @@ def data(name):
         "run": lambda: ns.simulate(STRUCK, periods=20, samples_per_period=32),
         "points": lambda: ns.stroboscopic_map(STRUCK, transient=10, record=300),
         "orbit": lambda: ns.find_orbit(STRUCK, transient=300),
+        "saddle": lambda: ns.find_orbit(STRUCK, {"x": -0.2032, "v": 1.011}),
         "even orbit": lambda: ns.find_orbit(EVEN),
         "branch": lambda: ns.continue_orbit(
             STRUCK, "omega", (0.7, 0.9), initial=data("orbit"), steps=3
@@ -178,6 +179,10 @@ def cases():
             {"samples": 10_000},
         ),
         "orbits": (struck | {"samples": 2, "record": 20, "guesses": 2}, {"samples": 10_000}),
+        "manifold": (
+            struck | {"orbit": data("saddle"), "length": 0.1, "largest_step": 0.02},
+            {"length": 1e6, "largest_step": 1e-3, "steps": 10_000_000},
+        ),
         "return_map": (
             {"system": section, "coordinate": "x", "between": (0.0, 1.0), "samples": 3},
             {"samples": 100_000},

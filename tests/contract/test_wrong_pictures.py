@@ -65,6 +65,7 @@ MAKE = {
     "load_cycles": lambda: {
         "cycles": ns.fatigue.count_cycles(np.sin(6.0 * LINE), np.arange(5.0))
     },
+    "manifold": lambda: {"data": ns.manifold(STRUCK, data("saddle"), length=0.1)},
     "multipliers": lambda: {"data": data("branch")},
     "orbit": lambda: {"run": data("run"), "x": "x", "y": "v"},
     "orbit_history": lambda: {"samples": ns.orbit_samples(data("orbit")), "variables": "x"},

@@ -61,6 +61,7 @@ RENAMED = {
     ("find_orbit", "period"): "order",
     ("smoothing_report", "period"): "order",
     ("smoothing_report", "samples"): "samples_per_period",
+    ("manifold", "side"): "sides",
     ("attractors", "samples"): "starts",
     ("bifurcation_picture", "samples"): "starts",
     ("bifurcation_picture", "completion"): "complete",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from nonsmooth.cli.arguments import value_limits
+from nonsmooth.cli.arguments import names, value_limits
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.console import ENDED_EARLY
 from nonsmooth.cli.report import Column, Report, complex_text
@@ -19,10 +19,11 @@ if TYPE_CHECKING:
 
     from nonsmooth.system.system import System
 
-__all__ = ["follow", "orbit"]
+__all__ = ["follow", "manifold", "orbit"]
 
 _MOST_LEGS = 40  # that are printed
 _MOST_MODES = 12  # of a word
+_MOST_BORDERS = 60  # that are printed
 _MOST_SPECIAL = 60  # points that are printed
 
 
@@ -248,3 +249,78 @@ def _add_special_points(report: Report, branch: xr.Dataset, parameter: str) -> N
         detail = str(one["special_detail"].item())
         rows.append((kind, float(one["special_value"]), multiplier, detail))
     report.table("special points", columns, rows, _MOST_SPECIAL)
+
+
+def manifold(task: Task) -> None:
+    """``nonsmooth manifold``."""
+    import nonsmooth as ns
+
+    system = task.system
+    if task["draw"] and len(names(task["draw"])) != 2:
+        raise OptionError(f"--draw: {task['draw']!r} is not two states, such as x,v")
+    drawn = chosen(task["draw"] or "", system.states, "--draw", kind="state")
+    orbit = ns.find_orbit(system, **task.options("find_orbit"))
+    if not _exists(orbit):
+        raise OptionError(f"there is no orbit to begin with: {orbit.attrs['message']}")
+    strobe = ns.StroboscopicMap(system, phase=task["phase"])
+    options = task.options("manifold", "tolerance")
+    found = ns.manifold(strobe, orbit, **options, tolerance=task["tolerance"])
+
+    task.picture("manifold", found, *drawn)
+    task.finish(found, _manifold_report(found), code=task.by_status(found))
+
+
+def _manifold_report(found: xr.Dataset) -> Report:
+    """What is known of the curves."""
+    attrs = found.attrs
+    report = Report(attrs["system_name"])
+    report.add("status", attrs["message"], status=attrs["status"], message=attrs["message"])
+    multipliers = found["multipliers"].values
+    report.add("multipliers", ", ".join(map(complex_text, multipliers)), multipliers=multipliers)
+    numbers = found["curve_of_point"].values
+    rows = []
+    for i in range(found.sizes["curve"]):
+        one = found.isel(curve=i)
+        here = numbers == i
+        length = float(found["arclength"].values[here].max(initial=0.0))
+        rows.append(
+            (
+                i, int(one["curve_orbit_point"]), int(one["curve_side"]), int(here.sum()), length,
+                str(one["curve_end"].item()), float(one["first_deviation"]),
+            )
+        )  # fmt: skip
+    columns: list[Column] = [
+        ("", "curve", str),
+        ("orbit point", "orbit_point", str),
+        ("side", "side", "{:+d}".format),
+        ("points", "points", str),
+        ("length", "length", "{:.6g}".format),
+        ("end", "end", str),
+        ("deviation", "first_deviation", "{:.1e}".format),
+    ]
+    report.table("curves", columns, rows, len(rows))
+    _add_borders(report, found)
+    return report
+
+
+def _add_borders(report: Report, found: xr.Dataset) -> None:
+    """Add one line for each border of the curves."""
+    names_of_states = [str(name) for name in found["state"].values]
+    rows = []
+    for i in range(found.sizes["at_border"]):
+        point = found.isel(point=int(found["border_point"][i]))
+        state = {name: float(point[name]) for name in names_of_states}
+        kind, turn = str(found["border_kind"][i].item()), float(found["border_turn"][i])
+        rows.append((int(point["curve_of_point"]), kind, state, turn))
+    columns: list[Column] = [
+        ("curve", "curve", str),
+        ("border", "border", str),
+        (
+            f"at ({', '.join(names_of_states)})",
+            "at",
+            lambda state: ", ".join(f"{value:.9g}" for value in state.values()),
+        ),
+        ("turn", "turn", lambda turn: "" if turn != turn else f"{turn:.4g}"),
+    ]
+    if rows:
+        report.table("borders", columns, rows, _MOST_BORDERS)

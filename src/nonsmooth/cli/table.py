@@ -271,6 +271,20 @@ TABLE = {
         size=(10.0, 8.0),
         example="nonsmooth orbit soft_impact omega=0.8 --plot orbit.png",
     ),
+    "manifold": Entry(
+        "Follow the unstable or the stable manifold of a saddle orbit, as curves of strobes.\n\n"
+        "The orbit is found first, as nonsmooth orbit does.",
+        "orbits.manifold",
+        (
+            ("find_orbit", "initial period word transient phase mode tolerance"),
+            ("manifold", "which length side largest_step smallest_step angle accuracy longest"),
+        ),
+        (_PAIR,),
+        plot="the curves",
+        save="the curves",
+        size=(10.0, 8.0),
+        example="nonsmooth manifold duffing gamma=0.2 --initial x=-0.08 --plot manifold.png",
+    ),
     "continue": Entry(
         "Follow a periodic orbit over a parameter, stable or not, through folds and grazing.\n\n"
         "The orbit is found first at the value that the parameter has.",

@@ -27,6 +27,7 @@ from nonsmooth.plot.histories import phases, time_history
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.likelihood_profiles import profiles
 from nonsmooth.plot.load_cycles import load_cycles
+from nonsmooth.plot.manifolds import manifold
 from nonsmooth.plot.markers import event_markers
 from nonsmooth.plot.multipliers import multipliers
 from nonsmooth.plot.orbits import orbit
@@ -72,6 +73,7 @@ __all__ = [
     "growth_curve",
     "lives",
     "load_cycles",
+    "manifold",
     "mode_colours",
     "multipliers",
     "orbit",

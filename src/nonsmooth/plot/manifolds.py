@@ -1,0 +1,161 @@
+"""Stable and unstable manifolds as curves: one state over another."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.arguments import checked
+from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.legends import place_legend
+from nonsmooth.plot.style import LINES, axis_label, finish_axes
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["manifold"]
+
+Floats = npt.NDArray[np.float64]
+
+_LOOKS: dict[str, dict[str, Any]] = {"stable": LINES[0], "unstable": {**LINES[1], "linestyle": "-"}}
+_APART = ("jump", "end", "unresolved")  # borders over which no line is drawn
+_MARKS = {"corner": "o", "jump": "s", "end": "|", "unresolved": "x"}
+_MARK = 3.2  # points
+
+
+@checked
+def manifold(
+    data: xr.Dataset,
+    x: str | None = None,
+    y: str | None = None,
+    *,
+    ax: Axes | None = None,
+    borders: bool = True,
+    legend: bool = True,
+) -> Axes:
+    """Curves of a manifold, with the orbit that they come from.
+
+    Stable manifolds are black and unstable ones vermilion, so that both go into one picture, and
+    into one with basins.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Result of `manifold`.
+    x, y : str, optional
+        States to draw; the first two by default.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes of a column's width by default. Those of `nonsmooth.plot.basins`
+        keep their limits.
+    borders : bool, optional
+        Whether to mark corners by circles, and jumps by squares. Curves are interrupted at jumps
+        either way.
+    legend : bool, optional
+        Whether to draw a legend.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes; points of the orbit are diamonds.
+
+    Raises
+    ------
+    OptionError
+        For another dataset, or an unknown state.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> hill = ns.System(states=["x", "v"], equations={"x": "v", "v": "x + cos(t)"}, period="2*pi")
+    >>> orbit = ns.find_orbit(hill, {"x": -0.5})
+    >>> ax = ns.plot.manifold(ns.manifold(hill, orbit, length=2.0))
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['unstable manifold', 'orbit']
+    """
+    across, up = _states(data, x, y)
+    which = str(data.attrs.get("which", "unstable"))
+    own = ax is None
+    ax = new_axes() if ax is None else ax
+    label: str | None = f"{which} manifold"
+    for columns in _curves(data, across, up):
+        ax.plot(*columns, **_LOOKS.get(which, LINES[0]), label=label, zorder=3)
+        label = None
+    if borders:
+        _mark_borders(ax, data, across, up)
+    orbit = data["saddle"]
+    ax.plot(
+        orbit.sel(state=across), orbit.sel(state=up), linestyle="none", marker="D",
+        markersize=_MARK + 0.6, markerfacecolor="white", markeredgecolor="black",
+        markeredgewidth=0.9, label="orbit", zorder=4,
+    )  # fmt: skip
+    finish_axes(ax, axis_label(data[across]), axis_label(data[up]))
+    if legend:
+        place_legend(ax, _with_former(ax), may_grow=own)
+    return ax
+
+
+def _states(data: xr.Dataset, x: str | None, y: str | None) -> tuple[str, str]:
+    """The states to draw."""
+    if "curve_of_point" not in data.coords or "saddle" not in data:
+        raise OptionError("the dataset holds no manifold; give a result of manifold")
+    known = [str(name) for name in data["state"].values]
+    for name in (x, y):
+        if name is not None and name not in known:
+            raise OptionError(unknown_name("state", name, known))
+    if len(known) < 2:
+        raise OptionError("the dataset has one state alone, and a picture needs two")
+    first = x if x is not None else next(name for name in known if name != y)
+    return first, y if y is not None else next(name for name in known if name != first)
+
+
+def _curves(data: xr.Dataset, across: str, up: str) -> list[tuple[Floats, Floats]]:
+    """Columns of each curve, with gaps where it is interrupted."""
+    numbers = data["curve_of_point"].values
+    apart = np.isin(data["border_kind"].values, _APART)
+    breaks = data["border_point"].values[apart] + 1
+    found = []
+    for number in np.unique(numbers):
+        here = np.flatnonzero(numbers == number)
+        cuts = breaks[(breaks > here[0]) & (breaks <= here[-1])] - here[0]
+        found.append(
+            (
+                np.insert(data[across].values[here], cuts, np.nan),
+                np.insert(data[up].values[here], cuts, np.nan),
+            )
+        )
+    return found
+
+
+def _mark_borders(ax: Axes, data: xr.Dataset, across: str, up: str) -> None:
+    """Marks at the points of borders that are seen."""
+    for kind, marker in _MARKS.items():
+        at = data["border_point"].values[data["border_kind"].values == kind]
+        points = at if kind == "corner" else np.concatenate([at, at + 1])
+        points = points[points < data.sizes["point"]]
+        if points.size:
+            look = _LOOKS.get(str(data.attrs.get("which")), LINES[0])
+            ax.plot(
+                data[across].values[points], data[up].values[points], linestyle="none",
+                marker=marker, markersize=_MARK, markerfacecolor="none",
+                markeredgecolor=look["color"], markeredgewidth=0.7, label=f"{kind}s", zorder=4,
+            )  # fmt: skip
+
+
+def _with_former(ax: Axes) -> list[Any]:
+    """Entries for a legend: those that the axes have one for, and what is drawn with a label."""
+    former, entries = ax.get_legend(), []
+    if former is not None:
+        for handle, text in zip(former.legend_handles, former.get_texts(), strict=True):
+            if handle is not None:
+                handle.set_label(text.get_text())
+                entries.append(handle)
+    known = {entry.get_label() for entry in entries}
+    for handle in ax.get_legend_handles_labels()[0]:
+        if handle.get_label() not in known:
+            known.add(handle.get_label())
+            entries.append(handle)
+    return entries
