@@ -259,12 +259,12 @@ def manifold(task: Task) -> None:
     if task["draw"] and len(names(task["draw"])) != 2:
         raise OptionError(f"--draw: {task['draw']!r} is not two states, such as x,v")
     drawn = chosen(task["draw"] or "", system.states, "--draw", kind="state")
-    orbit = ns.find_orbit(system, **task.options("find_orbit"))
-    if not _exists(orbit):
-        raise OptionError(f"there is no orbit to begin with: {orbit.attrs['message']}")
+    saddle = ns.find_orbit(system, **task.options("find_orbit"))
+    if not _exists(saddle):
+        raise OptionError(f"there is no orbit to begin with: {saddle.attrs['message']}")
     strobe = ns.StroboscopicMap(system, phase=task["phase"])
     options = task.options("manifold", "tolerance")
-    found = ns.manifold(strobe, orbit, **options, tolerance=task["tolerance"])
+    found = ns.manifold(strobe, saddle, **options, tolerance=task["tolerance"])
 
     task.picture("manifold", found, *drawn)
     task.finish(found, _manifold_report(found), code=task.by_status(found))
