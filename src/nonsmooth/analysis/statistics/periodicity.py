@@ -3,6 +3,11 @@
 A motion that spirals in with a multiplier near exp(2 pi i / p) repeats after p points to any
 accuracy long before it repeats after one. So points that repeat after p > 1 of them show a period
 only where they lie far apart beside the way that is left to go, see `settled_periods`.
+
+A motion that has settled still does not repeat to the last digit: rounding keeps its points apart
+by a floor that lies far above one unit in the last place where a state is small at the strobes and
+large between them. Such differences do not contract, and lead nowhere: points whole periods apart
+span no more over the whole record than over half of it.
 """
 
 from __future__ import annotations
@@ -23,7 +28,8 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _APART = 30.0  # times the way that is left, and match, between different points of a period
-_SLIGHT = 1e-3  # of the largest change: a state that changes less tells no contraction
+_SLIGHT = 1e-3  # of the largest change, or of match: such a change tells no contraction
+_TRAVELS = 1.75  # times the span of half a record; on a way that does not bend it is two or more
 _ROUNDING = 64.0 * float(np.finfo(float).eps)  # of the largest state: no change over a period
 
 
@@ -119,16 +125,42 @@ def _way_left(
 ) -> Floats:
     """How far motions that repeat after p steps are from where they go, (M,) in their scales.
 
-    Without any contraction it is infinite, unless nothing but rounding is left.
+    Without any contraction it is infinite, unless nothing but rounding is left, or changes far
+    below ``match`` that lead nowhere.
     """
     change = _changes(points, drifting, scale, p)
     way = change[:, change.shape[1] // 2 :].max(axis=(1, 2))
     left = change[:, -p:].max(axis=(1, 2))
     largest = np.abs(points - np.where(drifting, points[:, :1], 0.0)).max(axis=1)
-    rounding = (_ROUNDING * largest / np.where(scale > 0.0, scale, 1.0)).max(axis=1)
+    rounding = _ROUNDING * largest / np.where(scale > 0.0, scale, 1.0)
     with np.errstate(divide="ignore"):
         way /= np.maximum(1.0 - _contraction(change, p), 0.0)
-    return np.where(left <= np.maximum(rounding, match * match), left, way)
+    span = _span_of_noise(points, drifting, scale, rounding, p)
+    way = np.where(span <= _SLIGHT * match, span, way)
+    return np.where(left <= np.maximum(rounding.max(axis=1), match * match), left, way)
+
+
+def _span_of_noise(
+    points: Floats, drifting: npt.NDArray[np.bool_], scale: Floats, rounding: Floats, p: int
+) -> Floats:
+    """Largest distance of points whole periods apart, (M,); infinite where they travel.
+
+    All states have to stay: near a turning point of a slow oscillation a position hardly moves, but
+    the velocity does. It takes three periods to tell. Of a drifting state the steps are compared.
+    """
+    own = np.where(drifting, np.diff(points, axis=1), points[:, 1:])
+    own /= np.where(scale > 0.0, scale, 1.0)[:, None]
+    count = own.shape[1] // p
+    if count < 3:
+        return np.full(len(points), np.inf)
+    periods = own[:, -count * p :].reshape(len(own), count, p, -1)
+    half = (count + 1) // 2
+    whole, first, last = (
+        np.ptp(part, axis=1).max(axis=1)
+        for part in (periods, periods[:, :half], periods[:, -half:])
+    )
+    travels = whole > _TRAVELS * np.maximum(np.maximum(first, last), rounding)
+    return np.where(np.any(travels, axis=1), np.inf, whole.max(axis=1))
 
 
 def _contraction(change: Floats, p: int) -> Floats:
