@@ -195,3 +195,15 @@ def test_the_indicator_that_left_is_named():
 def test_what_cannot_be_judged_is_refused(arguments, message):
     with pytest.raises(ns.OptionError, match=message):
         ns.measured.alarm(**{"healthy": healthy(), "rate": 0.02, **arguments})
+
+
+def test_windows_of_one_record_raise_no_alarm_in_the_next():
+    """Of the second record one window of three lies above the threshold, and two are needed."""
+    first, second = windows(a=[0.0, 9.0, 9.0], b=[0.0] * 3), windows(a=[9.0, 0.0, 0.0], b=[0.0] * 3)
+    found = ns.measured.alarm(healthy(), [first, second], rate=0.05, needed=2, among=3)
+    assert found["exceeded"].values.tolist() == [False, True, True, True, False, False]
+    assert found["alarmed"].values.tolist() == [False, False, True, False, False, False]
+    # one record in two parts, however it is cut, is not one record
+    whole = xr.concat([first, second], "window")
+    found = ns.measured.alarm(healthy(), whole, rate=0.05, needed=2, among=3)
+    assert found["alarmed"].values.tolist() == [False, False, True, True, True, False]

@@ -37,7 +37,7 @@ class _Rule(NamedTuple):
     among: int
 
     def alarmed(self, exceeded: Mask) -> Mask:
-        """Windows at which an alarm is raised."""
+        """Windows of one record at which an alarm is raised."""
         recent = np.convolve(exceeded.astype(int), np.ones(self.among, dtype=int))
         found: Mask = recent[: exceeded.size] >= self.needed
         return found
@@ -72,8 +72,8 @@ def alarm(
         alarms would be more frequent than stated. Of several records, each is scored by the mean
         and the covariance of all others, so nothing is set aside.
     needed, among : int, optional
-        An alarm is raised where at least ``needed`` of the last ``among`` windows lie above the
-        threshold.
+        An alarm is raised where at least ``needed`` of the last ``among`` windows of the same
+        record lie above the threshold.
 
     Returns
     -------
@@ -188,7 +188,7 @@ def alarm(
     if watched is None:
         return found
     tables, coords = windows_of(watched, known.names, "watched")
-    judged = _judged(np.concatenate(tables), known, threshold, rule)
+    judged = _judged(tables, known, threshold, rule)
     return _with_time(found.assign(judged).assign_coords(coords))
 
 
@@ -244,15 +244,15 @@ def _three(names: str, values: tuple[float, ...], text: str) -> dict[str, Any]:
     }
 
 
-def _judged(table: Floats, known: Healthy, threshold: float, rule: _Rule) -> dict[str, Any]:
-    """Variables of watched windows."""
-    score = known.reference.score(table)
-    exceeded = score > threshold
-    alarmed = rule.alarmed(exceeded)
+def _judged(tables: list[Floats], known: Healthy, threshold: float, rule: _Rule) -> dict[str, Any]:
+    """Variables of watched windows; each record begins without windows before it."""
+    scores = [known.reference.score(table) for table in tables]
+    alarmed = np.concatenate([rule.alarmed(one > threshold) for one in scores])
+    score, table = np.concatenate(scores), np.concatenate(tables)
     farthest = np.abs(known.reference.standardised(table)).argmax(axis=1)
     return {
         "score": ("window", score, {"long_name": "distance from healthy windows"}),
-        "exceeded": ("window", exceeded, {"long_name": "score above the threshold"}),
+        "exceeded": ("window", score > threshold, {"long_name": "score above the threshold"}),
         "alarmed": ("window", alarmed, {"long_name": "alarm"}),
         "leading": (
             "window", np.array(known.names)[farthest],
