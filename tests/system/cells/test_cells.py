@@ -222,7 +222,7 @@ def test_constant_sides_of_a_guard_are_allowed():
     System(states=["x"], modes={
         "m": Mode({"x": "1"}, exits=[Exit("-sign(x - 1)", to="stop")])})  # fmt: skip
     with pytest.raises(ModelError, match="guard is the constant -1"):
-        System(states=["x"], modes={"m": Mode({"x": "1"}, exits=[Exit("-1", to="stop")])})
+        System(states=["x"], modes={"m": Mode({"x": "1"}, exits=[Exit("x - 1 - x", to="stop")])})
 
 
 def test_explain_lists_cells(capsys):

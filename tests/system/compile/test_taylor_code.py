@@ -252,7 +252,7 @@ def test_checks_hold_for_taylor_modes():
             modes={"m": Mode(flow, exits=[Exit("1 - v", reset={"x": "x*v"})])})  # fmt: skip
     System(states=["x", "v"], drift=["x"],
            modes={"m": Mode(flow, exits=[Exit("1 - v", reset={"x": "x + v**2"})])})  # fmt: skip
-    refused("guard is the constant -1", modes={"m": Mode(flow, exits=[Exit("-1", to="stop")])})
+    refused("'-1' depends on no state", modes={"m": Mode(flow, exits=[Exit("-1", to="stop")])})
     refused("is inf for the parameters", parameters={"e": 0}, modes={
         "m": Mode({"x": "v", "v": "tanh(x/e)"})})  # fmt: skip
     refused("not a period of the equations", period="1",

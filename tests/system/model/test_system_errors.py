@@ -357,13 +357,46 @@ def test_a_period_of_ten_digits_is_refused_or_harmless():
 # ---------------------------------------------------------------- guards and values
 
 
-@pytest.mark.parametrize("guard", ["-1", "w - 3", "0", "-w", "x - x", -2])
+@pytest.mark.parametrize("guard", ["x - x", "v - 1 - v", "x - w - x"])
 def test_guards_that_are_constant_and_not_positive(guard):
     refused(["guard is the constant"], modes=one_mode(exits=[Exit(guard, to="stop")]))
 
 
+@pytest.mark.parametrize("guard", ["-1", "w - 3", "0", "-w", -2, 0.5, "w", "wall", "3*wall + pi"])
+def test_guards_in_which_nothing_changes(guard):
+    """The place of a wall instead of the distance from it: a motion would go through the wall."""
+    words = [f"modes['free'].exits[0].guard: '{guard}' depends on no state and not on the time",
+             "write a distance such as "]  # fmt: skip
+    way = Exit(guard, reset={"v": "-v"}, name="hit")
+    refused(words, modes=one_mode(exits=[way]), definitions={"wall": "w + 1", "far": "x"})
+
+
+def test_a_guard_that_names_the_wall_is_told_the_distance_from_it():
+    way = Exit("w", reset={"v": "-v"}, name="hit")
+    refused(["write a distance such as w - x,"], modes=one_mode(exits=[way]))
+
+
+@pytest.mark.parametrize("guard", ["far + 2", "t - 9", "w + s", "shown", "own - w"])
+def test_guards_that_change_by_what_they_name(guard):
+    system = oscillator(
+        modes=one_mode(exits=[Exit(guard, to="stop")], definitions={"own": "2 - x"}),
+        definitions={"far": "x", "own": "w"},
+        signals={"s": ns.Signal([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0, 3.0])},
+        outputs={"shown": "far + 2"},
+    )
+    assert system.states == ("x", "v")
+
+
+def test_a_guard_of_a_slow_parameter_changes():
+    """From period to period w falls by one."""
+    system = oscillator(
+        modes=one_mode(exits=[Exit("w - 0.5", to="stop")]), period=1.0, slow={"w": "2 - t"}
+    )
+    assert system.slow["w"] == "2 - t"
+
+
 def test_a_guard_that_becomes_constant_with_a_parameter():
-    system = oscillator(modes=one_mode(exits=[Exit("w - 1", to="stop")]))
+    system = oscillator(modes=one_mode(exits=[Exit("x + w - 1 - x", to="stop")]))
     with pytest.raises(ModelError, match=r"guard is the constant -0\.5"):
         system.with_parameters(w=0.5)
 
@@ -382,7 +415,7 @@ def test_a_guard_that_moves_at_rest_may_be_constant_in_flight():
 def test_a_guard_that_is_constant_at_rest_too():
     bounce = Exit("x", reset={"v": "-v/2"}, sticks="rest", name="impact")
     flow = {"x": "v", "v": "-1"}
-    late = Exit("w - 3", to="stop", name="late")
+    late = Exit("x + w - 3 - x", to="stop", name="late")
     with pytest.raises(ModelError, match="guard is the constant"):
         oscillator(modes={"flight": Mode(flow, exits=[bounce, late])})
 

@@ -228,11 +228,13 @@ def test_numbers_that_are_none(value):
 
 
 def test_numbers_may_stand_for_texts():
-    text = changed('x = "v"', "x = 0").replace('guard = "9 + v"', "guard = 9")
+    text = changed('x = "v"', "x = 0")
     system = System.from_toml(text.replace('"-0.8*v"', "-1").replace('"2*pi/w"', '"6.0*pi/w"'))
     assert system.modes["free"].flow["x"] == 0
     assert system.modes["free"].exits[0].reset == {"v": -1}
     assert ns.simulate(system, periods=1).attrs["status"] == "completed"
+    guard = changed('guard = "9 + v"', "guard = 9")
+    assert "modes.free.exits[1].guard: '9' depends on no state" in refused(guard)
 
 
 def test_faults_of_the_system_itself_come_through():

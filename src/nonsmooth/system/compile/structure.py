@@ -27,7 +27,7 @@ from nonsmooth.system.compile.taylor_code import write_code
 from nonsmooth.system.compile.taylor_instructions import TaylorCode
 from nonsmooth.system.data import SystemData
 from nonsmooth.system.equations.equation import Equation, check_references
-from nonsmooth.system.equations.mode_equations import ModeEquations, read_mode
+from nonsmooth.system.equations.mode_equations import ModeEquations, check_guards, read_mode
 from nonsmooth.system.equations.resolve import Resolver
 from nonsmooth.system.equations.switching import Declared, switching_function
 from nonsmooth.system.parts import Text
@@ -90,6 +90,7 @@ class Structure:
 
     def _equations(self, system: SystemData, known: set[str]) -> list[ModeEquations]:
         shared = {**self.outputs, **self.definitions}
+        moving = {*self.states, *self.signals, *system.slow, "t"}
         found = []
         for name, mode in system.modes.items():
             equations = read_mode(
@@ -104,6 +105,7 @@ class Structure:
             check_references(equations.definitions, (*self.states, *self.signals))
             for equation in equations.all():
                 check_references({equation.where: equation}, (*self.states, *self.signals))
+            check_guards(equations, moving)
             found.append(equations)
         return found
 

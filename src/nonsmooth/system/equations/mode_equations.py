@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.parts import STOP, Exit, Mode, Text
-from nonsmooth.system.text.expressions import Expression, subtract
+from nonsmooth.system.text.expressions import Expression, name_set, subtract
+from nonsmooth.system.text.grammar import is_name
 
-__all__ = ["ExitEquations", "ModeEquations", "is_relation", "read_mode"]
+__all__ = ["ExitEquations", "ModeEquations", "check_guards", "is_relation", "read_mode"]
 
 # an equals sign that is not part of a comparison
 _EQUALS = re.compile(r"(?<![<>=])=(?!=)")
@@ -127,6 +128,30 @@ def _exit(
         why = "has no reset" if not way.reset else "is the name of a mode already"
         raise ModelError(f"{place}: sticks={way.sticks!r} {why}; {cure}")
     return ExitEquations(way.name or target, target, guard, reset, way.sticks)
+
+
+def check_guards(mode: ModeEquations, moving: set[str]) -> None:
+    """Refuse guards in which nothing stands that changes: a wall where only its place is told.
+
+    moving: states, signals, the time and parameters that are slow
+    """
+    for way in mode.exits:
+        found, left = set(), name_set(way.guard.tree)
+        while left:
+            found |= left
+            left = {
+                name
+                for each in left & set(mode.definitions)
+                for name in name_set(mode.definitions[each].tree)
+            } - found
+        if found.isdisjoint(moving):
+            guard = way.guard.text.strip()
+            place = guard if is_name(guard) else "g"
+            raise ModelError(
+                f"{way.guard.where}: {guard!r:.80} depends on no state and not on the time, so it"
+                f" never changes; write a distance such as {place} - x, positive inside the mode"
+                " and negative beyond"
+            )
 
 
 def is_relation(text: Text) -> bool:
