@@ -14,13 +14,17 @@ from nonsmooth.errors import OptionError
 from nonsmooth.measured.csv_text import Table, cells_of
 from nonsmooth.runs.options import finite_number
 
-__all__ = ["FEWEST", "Clock", "FilePlaces", "Places", "check_finite", "clock_of", "numbers"]
+__all__ = [
+    "FEWEST", "GAP", "Clock", "FilePlaces", "Places", "check_finite", "clock_of", "numbers",
+    "usual_step",
+]  # fmt: skip
 
 Floats = npt.NDArray[np.float64]
 
 _LARGEST = 1e30  # a reading; codes for none are often larger still
 FEWEST = 16  # samples
 _OFF = 0.1  # of a step, a time may be off the even grid
+GAP = 1.5  # usual steps are no gap yet
 
 
 class Places:
@@ -178,13 +182,32 @@ def _kept_clock(times: Floats, first: int, last: int, places: Places) -> Clock:
     except OptionError:
         if times.size < FEWEST:
             raise
-    step = float(np.median(np.diff(times)))
+    step = usual_step(times)
     if step <= 0.0:
         raise OptionError(
             "times: most samples have the time of the one before; give sample_rate= instead"
         )
     off = float(np.abs(np.diff(times) / step - 1.0).max())
     return Clock(float(times[0]), step, off, first, last, times)
+
+
+def usual_step(times: Floats) -> float:
+    """Step of even times between their gaps: the slope of lines, one through each part.
+
+    Times that are rounded to a few decimals have steps of two sizes only, of which the median is
+    one. Where most times do not increase it is zero or negative.
+    """
+    steps = np.diff(times)
+    low, middle, high = np.quantile(steps, (0.05, 0.5, 0.95))
+    if middle <= 0.0:
+        return float(middle)
+    rough = float(steps[(steps >= low) & (steps <= high)].mean())
+    part = np.concatenate([[0], np.cumsum((steps > GAP * rough) | (steps <= 0.0))])
+    number = np.arange(times.size, dtype=float)
+    size = np.bincount(part)
+    from_mean = [v - (np.bincount(part, v) / size)[part] for v in (number, times - times[0])]
+    square = float(from_mean[0] @ from_mean[0])
+    return float(from_mean[0] @ from_mean[1]) / square if square > 0.0 else rough
 
 
 def _even_grid(times: Floats, first: int, places: Places) -> tuple[float, float, float]:
@@ -206,7 +229,7 @@ def _even_grid(times: Floats, first: int, places: Places) -> tuple[float, float,
     away = np.abs(times - (start + step * np.arange(times.size))) / step
     if away.max() > _OFF:
         k = int(np.argmax(steps))
-        usual = float(np.median(steps))
+        usual = usual_step(times)
         what = (
             f"the longest step, after {places.at(first + k)} at {times[k]:.9g}, is"
             f" {steps[k] / usual:.3g} usual ones"

@@ -209,6 +209,25 @@ def test_missing_samples_gaps_and_uneven_times():
     assert "uneven" in kinds(ns.measured.check(record, leave_out="spike"))
 
 
+@pytest.mark.parametrize(("rate", "decimals"), [(3000.0, 5), (7000.0, 5), (6400.0, 6), (1500.0, 5)])
+def test_rounded_times_with_a_gap_have_their_rate_and_their_number(rate, decimals):
+    """Times of few decimals have steps of two sizes, and the median of the steps is one of them.
+
+    The rounding, at most half of the last digit, moves the slope through 3000 samples by less than
+    1e-6 of it (its standard deviation is r sqrt(12 / 3000^3), r being 0.29 of the last digit).
+    """
+    t = np.round(np.arange(COUNT) / rate, decimals)
+    x = motion()
+    t, x = np.delete(t, slice(3000, 3100)), np.delete(x, slice(3000, 3100))
+    record = ns.measured.from_arrays({"x": x}, times=t, bad_samples="keep")
+    assert record.attrs["sample_rate"] == pytest.approx(rate, rel=3e-6)
+    found = ns.measured.check(record, leave_out="spike")
+    assert kinds(found) == ["gap"]
+    assert found["n_samples"].item() == 100 and "about 100 samples are" in found["sentence"].item()
+    with pytest.raises(ns.OptionError, match="is 101 usual ones"):
+        ns.measured.from_arrays({"x": x}, times=t)
+
+
 def test_marks():
     marks = np.arange(60) / SPEED
     bad = np.sort(np.append(np.delete(marks, [20, 21]), marks[40] + 0.01))

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.measured.clock import usual_step
 from nonsmooth.measured.quality.noise import Noise
 
 __all__ = ["FLAGS", "KINDS", "Flaw", "Readings", "stretches"]
@@ -55,7 +56,7 @@ class Readings(NamedTuple):
     @property
     def step(self) -> float:
         """Usual time between samples."""
-        return float(np.median(np.diff(self.times)))
+        return usual_step(self.times)
 
     def size(self, value: float) -> str:
         """A value with its units."""

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from nonsmooth.measured.clock import GAP, usual_step
 from nonsmooth.measured.marking import faulty_marks
 from nonsmooth.measured.quality.flaw import Flaw, Readings, stretches
 
@@ -15,7 +16,6 @@ __all__ = ["mark_findings", "missing_findings", "time_findings"]
 
 Floats = npt.NDArray[np.float64]
 
-_GAP = 1.5  # usual steps
 _EVEN = 0.1  # of a step, that a time may be off: that which reading a record allows
 
 
@@ -35,18 +35,19 @@ def missing_findings(data: Readings) -> Iterator[Flaw]:
 def time_findings(times: Floats) -> Iterator[Flaw]:
     """Gaps of the time, times that do not increase, and times off an even grid."""
     steps = np.diff(times)
-    usual = float(np.median(steps))
+    usual = usual_step(times)
     for k in np.flatnonzero(steps <= 0.0):
         yield Flaw(
             "time", "uneven", float(times[k]), float(times[k + 1]), 1, float(steps[k]),
             f"time does not increase: {times[k + 1]:.9g} follows {times[k]:.9g}",
         )  # fmt: skip
-    gaps = steps > _GAP * usual
+    gaps = steps > GAP * usual
     for k in np.flatnonzero(gaps):
         lost = round(float(steps[k]) / usual) - 1
         yield Flaw(
             "time", "gap", float(times[k]), float(times[k + 1]), lost, float(steps[k]),
-            f"about {lost} samples are missing between t = {times[k]:.7g} and {times[k + 1]:.7g}",
+            f"about {lost} {'sample is' if lost == 1 else 'samples are'} missing between"
+            f" t = {times[k]:.7g} and {times[k + 1]:.7g}",
         )  # fmt: skip
     inside = ~gaps & (steps > 0.0)
     off = np.abs(steps[inside] / usual - 1.0)
