@@ -41,6 +41,8 @@ def test_names_that_records_keep_for_themselves(read):
 def test_channels(read):
     probe = ns.measured.Channel("out", sensitivity=5.0, offset=0.12, units="mm")
     np.testing.assert_allclose(read(TEXT, {"d": probe})["d"], [0.0, 0.1, 0.3], atol=1e-15)
+    with pytest.raises(ns.OptionError, match="d: the header of its column has the units 'mm'"):
+        read(TEXT, {"d": ns.measured.Channel("step", units="inch")})
 
 
 @pytest.mark.parametrize(

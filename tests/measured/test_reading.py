@@ -90,6 +90,22 @@ def test_units_of_headers(read):
     assert "units" not in none["x"].attrs
 
 
+def test_other_units_than_those_of_the_header_need_a_sensitivity(read):
+    """12 mm are no 12 inches: readings are converted, 25.4 mm being one inch, or refused."""
+    text, channel = text_of("time,CH1 [mm],tacho"), ns.measured.Channel
+    with pytest.raises(OptionError, match=r"'mm', and units = 'inch'.*how many mm one inch is"):
+        read(text, {"x": channel("CH1", units="inch")})
+    with pytest.raises(OptionError, match="leave the units out"):
+        read(text_of("time,CH1,tacho\ns,mm,V"), {"x": channel(1, units="inch")}, time=0, mark=2)
+    inches = read(text, {"x": channel("CH1", sensitivity=25.4, units="inch")})["x"]
+    assert inches.attrs["units"] == "inch"
+    np.testing.assert_allclose(inches, ROWS[:, 1] / 25.4, atol=1e-9)
+    for header, units in (("[mm]", "mm"), ("[\N{MICRO SIGN}m]", "um"), ("", "inch")):
+        found = read(text_of(f"time,CH1 {header},tacho"), {"x": channel("CH1", units=units)})["x"]
+        assert found.attrs["units"] == units
+        np.testing.assert_allclose(found, ROWS[:, 1], atol=1e-9)
+
+
 def test_a_dead_probe_is_told(read):
     with pytest.warns(ResultWarning, match="x does not change"):
         read(text_of(rows=ROWS * [1, 0, 1]))

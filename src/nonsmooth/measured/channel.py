@@ -13,7 +13,7 @@ from nonsmooth.errors import OptionError
 from nonsmooth.real_numbers import shown
 from nonsmooth.runs.options import finite_number
 
-__all__ = ["Channel", "channels_of", "split_units"]
+__all__ = ["Channel", "channels_of", "split_units", "units_of"]
 
 _TAKEN = ("time", "mark", "mark_time", "point", "parameter", "lane", "speed", "phase", "mode")
 
@@ -34,7 +34,8 @@ class Channel:
     offset : float, optional
         Reading at zero displacement.
     units : str, optional
-        Units of the displacement; those in the header without a sensitivity.
+        Units of the displacement; those in the header without a sensitivity. Other ones than those
+        in the header need a sensitivity, which converts the readings.
     long_name : str, optional
         What it is, for the labels of axes.
 
@@ -132,6 +133,24 @@ def check_name(name: Any, others: Iterable[str], taken: Iterable[str] = _TAKEN) 
         raise OptionError(f"columns: the name {name!r} is taken; call the variable otherwise")
     if name in others:
         raise OptionError(f"columns: {name!r} is named twice")
+
+
+def units_of(name: str, channel: Channel, header: str) -> str:
+    """Units of a variable whose column has some units in its header, or none."""
+    told = channel.units
+    if channel.sensitivity is None and told and header and _plain(told) != _plain(header):
+        raise OptionError(
+            f"{name}: the header of its column has the units {header!r}, and units = {told!r} were"
+            f" asked for. To convert give a sensitivity too: how many {header} one {told} is, as"
+            " 25.4 for mm and inch. Where the header is wrong give the sensitivity 1, and else"
+            " leave the units out"
+        )
+    return told or header
+
+
+def _plain(units: str) -> str:
+    """Units in one spelling: of micro there are three signs."""
+    return units.strip().replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
 
 
 def split_units(header: str) -> tuple[str, str]:

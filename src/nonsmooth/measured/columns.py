@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.errors import OptionError
-from nonsmooth.measured.channel import Channel, channels_of
+from nonsmooth.measured.channel import Channel, channels_of, units_of
 from nonsmooth.measured.csv_text import numbers_of, read_table
 
 __all__ = ["read_columns"]
@@ -83,6 +83,6 @@ def read_columns(
         )
     data = {}
     for (name, one), values in zip(channels.items(), numbers, strict=True):
-        attrs = {"units": one.units or places[name][1], "long_name": one.long_name or name}
+        attrs = {"units": units_of(name, one, places[name][1]), "long_name": one.long_name or name}
         data[name] = ("row", one.displacement(values), attrs)
     return xr.Dataset(data, coords={"line": ("row", lines)}, attrs={"source": table.name})

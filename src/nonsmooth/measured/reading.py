@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError, ResultWarning
-from nonsmooth.measured.channel import Channel, channels_of
+from nonsmooth.measured.channel import Channel, channels_of, units_of
 from nonsmooth.measured.clock import FilePlaces
 from nonsmooth.measured.csv_text import Table, numbers_of, read_table
 from nonsmooth.measured.marking import Marking
@@ -147,8 +147,8 @@ def read_csv(
         name: one.displacement(array)
         for (name, one), array in zip(channels.items(), numbers, strict=True)
     }
-    units = {name: one.units or found[name][1] for name, one in channels.items()}
     try:
+        units = {name: units_of(name, one, found[name][1]) for name, one in channels.items()}
         record = record_of(
             values,
             (times, sample_rate, time_range),
