@@ -325,10 +325,44 @@ def test_values_that_the_system_refuses_are_passed_by():
     """Half of the range is negative damping, at which the model refuses to run."""
     record, _ = soft_record(8, 0.01, 4)
     free = {"zeta": (-0.07, 0.06), "beta": (20, 40)}
-    found = ns.fit(ns.models.soft_impact(), record, free, {"x": "x"}, starts=3)
+    with pytest.warns(ns.ResultWarning, match=r"\(-0.07, 0.06\): zeta .* does not hold at -0.07: "):
+        found = ns.fit(ns.models.soft_impact(), record, free, {"x": "x"}, starts=3)
     assert np.isinf(found["start_cost"]).any()
     errors = np.abs(found["estimate"] - [SOFT[name] for name in free])
     assert (errors < 4.0 * found["standard_error"]).all()
+
+
+def test_bounds_in_which_the_system_is_not_allowed_are_told_before_the_fit():
+    """k must be positive and less than m: a bound may lie on the border, or leave a corner out."""
+    _, record = line()
+    ramp = ns.System(
+        states=["x"], parameters={"k": 1.0, "m": 2.0}, equations={"x": "k + 0*m"},
+        require={"k > 0": "it grows", "k < m": "m is larger"},
+    )  # fmt: skip
+    with pytest.raises(ns.OptionError, match="free: k > 0 is required, and holds nowhere within"):
+        ns.fit(ramp, record, {"k": (-2, -1)})
+    with pytest.raises(ns.OptionError, match=r"k < m is required, .* of k, m: m is larger"):
+        ns.fit(ramp, record, {"k": (3, 4), "m": (1, 3)})
+    with pytest.warns(ns.ResultWarning, match="k < m is required, and does not hold at 3: m is"):
+        ns.fit(ramp, record, {"k": (0, 3)}, starts=1)
+    found = ns.fit(ramp, record, {"k": (0, 1.9)}, starts=1)
+    assert float(found["estimate"][0]) == pytest.approx(0.7, abs=0.1)
+
+
+def test_a_minimum_to_which_no_start_led_is_told():
+    """The middle of the bounds is far from k = 4, and a profile of the minimum there finds it."""
+    times = np.linspace(0.0, 6.0, 120)
+    x = np.cos(2.0 * times) + np.random.default_rng(0).normal(0.0, 0.02, times.size)
+    spring = ns.System(states=["x", "v"], parameters={"k": 4.0}, equations={"x": "v", "v": "-k*x"})
+    record, options = dataset(times, x=x), {"initial": {"x": 1.0}, "segments": 1, "starts": 1}
+    found = ns.fit(spring, record, {"k": (1, 20)}, {"x": "x"}, **options)
+    assert float(found["estimate"][0]) == pytest.approx(4.0, abs=0.1)
+    assert not found["start_agrees"].any() and float(found["start_estimate"][0, 0]) > 10.0
+    assert "starts agree" not in found.attrs["message"]
+    assert (
+        "a profile led to this minimum and no start did: give more starts="
+        in (found.attrs["message"])
+    )
 
 
 def test_block_bootstrap_is_that_of_regression():

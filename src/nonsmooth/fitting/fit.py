@@ -13,6 +13,7 @@ from scipy.stats import qmc
 
 from nonsmooth.analysis.options import SharedOptions, check_seed, refuse_fixed
 from nonsmooth.errors import OptionError, ResultWarning, RunError, is_known, unknown_name
+from nonsmooth.fitting.allowed import check_allowed
 from nonsmooth.fitting.beginning import sizes_of_states
 from nonsmooth.fitting.channels import (
     Range,
@@ -174,15 +175,16 @@ def fit(
     Raises
     ------
     OptionError
-        When a name is unknown, bounds are not in order, an expression cannot be read, or instants
-        lie outside of the samples.
+        When a name is unknown, bounds are not in order, the system is allowed nowhere within them,
+        an expression cannot be read, or instants lie outside of the samples.
     RunError
         When no motion can be computed from any start.
 
     Warns
     -----
     ResultWarning
-        When the fit has not converged, as its ``status`` says.
+        When the fit has not converged, as its ``status`` says. Before the fit, when the system is
+        not allowed at one of the bounds.
 
     See Also
     --------
@@ -239,6 +241,7 @@ def fit(
     nuisances = {"gain": gain, "offset": offset, "delay": delay}
     records, datasets = [], []
     for label, data, each in _records(system, record, by_record, bounds):
+        check_allowed(each, bounds)
         times = check_record_times(f"record {label!r}" if label else "record", data)
         channels = read_channels(each, data, observe, nuisances, noise)
         records.append(GivenRecord(label, each, channels, times))

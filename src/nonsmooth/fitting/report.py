@@ -356,7 +356,13 @@ def _message(
 ) -> str:
     """How the fit ended, and what speaks against it."""
     parts = ["completed" if best.closed else f"not_converged: {NOT_CONVERGED}"]
-    parts.append(f"{int(agrees.sum())} of {agrees.size} starts agree")
+    if agrees.any():
+        parts.append(f"{int(agrees.sum())} of {agrees.size} starts agree")
+    else:
+        parts.append(
+            "a profile led to this minimum and no start did: give more starts=, or narrower bounds"
+            " in free=, to see whether it is the lowest"
+        )
     if words:
         parts.append(words)
     if variables["interval_open"][1].any():
