@@ -268,3 +268,14 @@ def test_a_film_of_the_last_periods(call, tmp_path):
             lengths.append(image.info["duration"])
     assert sum(lengths) == 40 * 26  # 25 frames a second, and the last one, in milliseconds
     assert os.listdir(tmp_path) == ["film.gif"]
+
+
+def test_a_run_without_a_log_of_its_events(call, monkeypatch):
+    words = ["simulate", "soft_impact", "--periods", "200", "--samples-per-period", "1"]
+    whole, without = call(*words), call(*words, "--no-events")
+    assert without.exit_code == 0 and without.stdout == whole.stdout
+    monkeypatch.setattr("nonsmooth.runs.event_log._LARGE", 1000)
+    monkeypatch.setattr("nonsmooth.runs.event_log.free_memory", lambda: 10**6)
+    refused = call(*words[:2], "--periods", "20000", *words[4:])
+    assert refused.exit_code == 2
+    assert "keep no log by --no-events, or" in refused.stderr

@@ -279,3 +279,34 @@ def test_the_start_of_a_run_that_cannot_begin(flow, start, status):
         run = ns.simulate(ns.System(states=["x"], equations={"x": flow}), {"x": start}, t_end=1.0)
     assert run.attrs["status"] == status
     assert (run["time"].values.tolist(), run["x"].values.tolist()) == ([0.0], [start])
+
+
+# ---------------------------------------------------------------- memory
+
+
+def test_a_log_for_which_there_is_no_memory_is_refused_before_the_run_fills_it(monkeypatch):
+    """About nine impacts in ten periods, so 9e7 in 1e8; a row takes at least 100 bytes."""
+    run = ns.simulate(wall(), periods=1000, samples_per_period=1)
+    per_period = run.attrs["n_events"] / 1000
+    monkeypatch.setattr("nonsmooth.runs.event_log.free_memory", lambda: 10**9)
+    with pytest.raises(OptionError, match=r"log of about .* of memory are free.*events=False") as e:
+        ns.simulate(wall(), times=[0.0, 1e8 * 2 * np.pi / 2.8])
+    told = float(str(e.value).split("about ")[1].split()[0])
+    assert told == pytest.approx(1e8 * per_period, rel=0.1)
+    # so many events fit, and none are kept of more; a run that the clock may end is not foreseen
+    assert ns.simulate(wall(), periods=1000, samples_per_period=1).attrs["n_events"] > 100
+    monkeypatch.setattr("nonsmooth.runs.event_log.free_memory", lambda: 10**5)
+    options = {"times": [0.0, 3e5 * 2 * np.pi / 2.8]}
+    assert ns.simulate(wall(), events=False, **options).attrs["n_events"] > 10_000
+    with pytest.raises(OptionError, match="log of about"):
+        ns.simulate(wall(), **options)
+    with pytest.warns(RunWarning, match="max_seconds"):
+        ns.simulate(wall(), max_seconds=0.3, times=[0.0, 1e12])
+
+
+@pytest.mark.parametrize("end", [{"periods": 5000}, {"t_end": 11000.0}])
+def test_samples_for_which_there_is_no_memory_are_refused(monkeypatch, end):
+    monkeypatch.setattr("nonsmooth.runs.store.free_memory", lambda: 10**7)
+    with pytest.raises(OptionError, match=r"samples take .* and 10 MB of memory are free; lower"):
+        ns.simulate(wall(), **end)
+    assert ns.simulate(wall(), samples_per_period=1, **end).attrs["status"] == "completed"

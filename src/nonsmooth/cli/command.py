@@ -46,7 +46,7 @@ LEFT_OUT = {
     "t_start": "runs of the command line begin at the time 0",
     "times": "a list of instants is a matter of scripts",
     "tangent": "no summary shows derivatives",
-    "events": "the summary counts them",
+    "events": "the option --no-events leaves them out",
     "interval": "it belongs to a running estimate that scripts read",
     "combine": "--over makes grids",
     "percentiles": "a list of numbers is a matter of scripts",
@@ -118,6 +118,8 @@ class Entry(NamedTuple):
         own = {each.name for each in self.own}
         if "over" in own:
             found |= dict.fromkeys(_RANGES, "--over")
+        if "no_events" in own:
+            found["events"] = "--no-events"
         if "contact_range" in own:
             found["contact"] = "--contact-range"
         return found | self.flags()

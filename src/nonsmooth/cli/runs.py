@@ -46,7 +46,7 @@ def simulate(task: Task) -> None:
     if task[kind] is not None and (task["draw"] is not None or task["modes"]):
         raise OptionError(f"{flag(kind)} draws no time history: leave out --draw and --modes")
     coordinates = pair(system, task[kind], flag(kind)) if task[kind] is not None else None
-    options = task.options("simulate")
+    options = task.options("simulate") | {"events": not task["no_events"]}
     if options["periods"] is not None and options["t_end"] is not None:
         raise OptionError("give one of --periods and --t-end, not both")
     if options["periods"] is None and options["t_end"] is None:

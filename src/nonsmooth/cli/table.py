@@ -57,6 +57,11 @@ TABLE = {
         (("simulate", ""),),
         (
             Own(
+                "no_events",
+                "Count events, and keep no log of them: a run of any length then takes no more"
+                " memory than its samples.",
+            ),
+            Own(
                 "portrait",
                 "Draw a phase portrait, the second variable over the first, in the colours of"
                 " the modes, in place of a time history.",

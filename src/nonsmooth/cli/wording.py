@@ -19,7 +19,7 @@ __all__ = [
 ]
 
 # A value as errors recommend one: a text, a collection, a number or a plain name.
-_VALUE = r"'[^']*'|\"[^\"]*\"|\{[^{}]*\}|\([^()]*\)|\[[^\[\]]*\]|-?\d[\w.+-]*\w|-?\d|True\b"
+_VALUE = r"'[^']*'|\"[^\"]*\"|\{[^{}]*\}|\([^()]*\)|\[[^\[\]]*\]|-?\d[\w.+-]*\w|-?\d|True\b|False\b"
 
 _COLLECTION = r"\{[^{}]*\}|\([^()]*\)|\[[^\[\]]*\]"
 _WORDS = r"[a-z]+(?: [a-z]+)+"  # of a choice, such as follow up
@@ -90,7 +90,7 @@ def advice_in_words_of_shell(message: str, options: Mapping[str, str]) -> str:
 
     def given(found: re.Match[str]) -> str:
         option, value = options[found[1]], found[2]
-        if value in ("", "True"):  # of a flag
+        if value in ("", "True") or (option == f"--no-{found[1]}" and value == "False"):  # a flag
             return option
         if option == "--word" and " " in value:
             return f'{option} "{value[1:-1]}"'

@@ -194,24 +194,40 @@ def lane_anchors(
 
 
 def allocate_records(
-    sizes: Sizes, sample_number: Integers, sample_phase: Floats, capacity: int
+    sizes: Sizes,
+    sample_number: Integers,
+    sample_phase: Floats,
+    capacity: int,
+    *,
+    filled: bool = True,
 ) -> Records:
-    """Buffers for given sample times and a number of events."""
-    return lane_records(sizes, sample_number, sample_phase, capacity, 1).alone
+    """Buffers for given sample times and a number of events.
+
+    Samples that a run does not come to are nan where they are ``filled``. To write them takes as
+    long as much of a run.
+    """
+    return lane_records(sizes, sample_number, sample_phase, capacity, 1, filled=filled).alone
 
 
 def lane_records(
-    sizes: Sizes, sample_number: Integers, sample_phase: Floats, capacity: int, count: int
+    sizes: Sizes,
+    sample_number: Integers,
+    sample_phase: Floats,
+    capacity: int,
+    count: int,
+    *,
+    filled: bool = True,
 ) -> Records:
     """The same for some lanes."""
     n = sizes.states
+    states, modes = (count, sample_number.size, n), (count, sample_number.size)
     since = zeros(Records.struct, since=(count,))["since"]
     since["number"] = since["phase"] = -np.inf
     return Records(
         sample_number=sample_number,
         sample_phase=sample_phase,
-        sample_state=np.full((count, sample_number.size, n), np.nan),
-        sample_mode=np.full((count, sample_number.size), -1, np.int64),
+        sample_state=np.full(states, np.nan) if filled else np.empty(states),
+        sample_mode=np.full(modes, -1, np.int64) if filled else np.empty(modes, np.int64),
         **zeros(Records.struct, events=(count, capacity), counters=(count,)),
         event_states=np.zeros((count, capacity, 2, n)),
         end_state=np.full((count, n), np.nan),

@@ -70,6 +70,7 @@ def plan_run(
     t_end: float | None,
     times: npt.ArrayLike | None,
     samples_per_period: int,
+    sample_bytes: int = 0,
 ) -> Plan:
     """End and sample times of a run from exactly one of ``periods``, ``t_end``, ``times``."""
     check_one_end(periods=periods, t_end=t_end, times=times)
@@ -87,7 +88,7 @@ def plan_run(
             raise OptionError(f"periods = {periods} must be positive")
         whole = int(np.floor(periods))
         end = _after(start, whole, (periods - whole) * window, window)
-        count = check_count(np.floor(periods * per_window + 1e-9))
+        count = check_count(np.floor(periods * per_window + 1e-9), sample_bytes)
         return _plan_grid(window, start, end, count, per_window)
     if not finite_number("t_end", t_end) > t_start:
         raise OptionError(f"t_end = {t_end} must be later than the start, t = {t_start:g}")
@@ -95,7 +96,7 @@ def plan_run(
     number, phase = instants([t_end], window)
     end = Instant(int(number[0]), float(phase[0]))
     if periodic:
-        count = check_count(np.floor((t_end - t_start) / window * per_window + 1e-9))
+        count = check_count(np.floor((t_end - t_start) / window * per_window + 1e-9), sample_bytes)
         return _plan_grid(window, start, end, count, per_window)
     grid = np.linspace(t_start, t_end, DEFAULT_SAMPLES + 1)
     return _grid_of_times(window, start, end, grid)

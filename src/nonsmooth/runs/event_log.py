@@ -13,6 +13,8 @@ import numpy as np
 from nonsmooth.engine.lanes import Records
 from nonsmooth.engine.record import Floats, Rows, zeros
 from nonsmooth.engine.status import EventKind
+from nonsmooth.errors import OptionError
+from nonsmooth.runs.store import free_memory, size_text
 
 __all__ = ["FIRST_CAPACITY", "EventLog", "LentRoom", "lent_room"]
 
@@ -61,19 +63,37 @@ def lent_room() -> Iterator[LentRoom]:
 class EventLog:
     """Makes room in the event buffer; ``keep`` says whether all rows stay.
 
-    With ``lent`` the rows may stay in the buffer, which somebody else copies.
+    With ``lent`` the rows may stay in the buffer, which somebody else copies. ``most`` is how many
+    events the run may have at most; None where the clock may end it at any of them.
     """
 
     keep: bool
     n_left_out: int = 0
     lent: bool = False
+    most: float | None = np.inf
 
     def make_room(self, records: Records, share: float) -> Records:
         """Records to go on with when the buffer is full and a ``share`` of the run is done."""
         if self.keep:
+            self._check_room(records, share)
             return _enlarged(records, share)
         self._leave_out(records)
         return records
+
+    def _check_room(self, records: Records, share: float) -> None:
+        """Refuse a log for which there is no memory, once events are many enough to tell."""
+        count = records.n_events
+        if count < _LARGE or self.most is None or share <= 0.0:
+            return
+        expected = min(count / share, self.most)
+        # the result has the rows once more, as variables
+        need = 2.0 * expected * (records.events.itemsize + records.event_states[0].nbytes)
+        if need > (free := free_memory()):
+            raise OptionError(
+                f"the log of about {expected:.2g} events takes {size_text(need)}, and"
+                f" {size_text(free)} of memory are free: keep no log by events=False, or shorten"
+                " the run and go on from run to run"
+            )
 
     def rows(self, records: Records) -> tuple[Rows, Floats]:
         """Rows that stay, and states before and after each event, (rows, 2, n).

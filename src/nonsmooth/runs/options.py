@@ -64,12 +64,19 @@ def time_grid(value: Any) -> npt.NDArray[np.float64]:
     return grid
 
 
-def check_count(count: float) -> int:
+def check_count(count: float, sample_bytes: int = 0) -> int:
     """Number of samples, refused where it would fill the memory."""
+    from nonsmooth.runs.store import free_memory, size_text
+
     if count > _MOST_SAMPLES:
         raise OptionError(
             f"{count:.3g} samples are asked for, at most {_MOST_SAMPLES:g} in one run; lower"
             " samples_per_period= or the length, or go on from run to run"
+        )
+    if sample_bytes and (need := count * sample_bytes) > (free := free_memory()):
+        raise OptionError(
+            f"{count:.3g} samples take {size_text(need)}, and {size_text(free)} of memory are free;"
+            " lower samples_per_period= or the length, or go on from run to run"
         )
     return int(count)
 

@@ -79,6 +79,13 @@ class WorkLimits:
     most_events: int = NO_LIMIT
 
     @property
+    def foreseen_events(self) -> float | None:
+        """Largest number of events of a run; None where the clock may end it at any of them."""
+        if self.deadline < UNLIMITED.deadline:
+            return None
+        return self.most_events if self.most_events != NO_LIMIT else float("inf")
+
+    @property
     def time_is_up(self) -> bool:
         """Whether the run has taken as long as it may."""
         return time.monotonic() >= self.deadline
@@ -236,7 +243,9 @@ def run_plan(
     With ``room`` the log of the outcome is there only as long as the room is.
     """
     sizes = tables.sizes
-    records = allocate_records(sizes, plan.sample_number, plan.sample_phase, FIRST_CAPACITY)
+    records = allocate_records(
+        sizes, plan.sample_number, plan.sample_phase, FIRST_CAPACITY, filled=False
+    )
     if room is not None:
         records = room.put_into(records)
     segment = allocate_segment(sizes, max(0, derivatives.count))
@@ -252,7 +261,7 @@ def run_plan(
         records.since[()] = tuple(begin)
         if state is not None:
             records.end_state[:] = state
-    log = EventLog(keep_events, lent=room is not None)
+    log = EventLog(keep_events, lent=room is not None, most=limits.foreseen_events)
     lane = (tables, derivatives.rates, derivatives.scratch, anchor, segment, tangent)
     windows = max(1, plan.end.number - anchor.number)
     try:

@@ -231,6 +231,13 @@ class _Request:
     limits: WorkLimits
     room: LentRoom
 
+    def sample_bytes(self, system: System) -> int:
+        """Memory for a sample: its time, mode and states in the run and in the result, and more."""
+        n, columns = len(system.states), 0
+        if self.chosen is not None:
+            columns = n + len(self.chosen)
+        return 8 * (5 + n * (2 + 2 * columns) + len(system.outputs))
+
 
 def _simulate(system: System, wanted: _Request) -> Outcome:
     tables = build_tables(system)
@@ -242,7 +249,7 @@ def _simulate(system: System, wanted: _Request) -> Outcome:
     window = tables.window
     plan = plan_run(
         window, system.period_value is not None, start.instant, **wanted.ends,
-        samples_per_period=wanted.samples_per_period,
+        samples_per_period=wanted.samples_per_period, sample_bytes=wanted.sample_bytes(system),
     )  # fmt: skip
     check_signals(system, start.instant.time(window), plan.end.time(window))
     run = partial(
@@ -265,7 +272,7 @@ def _simulate_slow(system: System, wanted: _Request) -> Outcome:
         start = start_at_end(start)
     plan = plan_slow_run(
         start.instant, period, tables.window, **wanted.ends,
-        samples_per_period=wanted.samples_per_period,
+        samples_per_period=wanted.samples_per_period, sample_bytes=wanted.sample_bytes(system),
     )  # fmt: skip
     run = partial(
         run_slow, slow, tables, period, plan, start, wanted.tolerance,

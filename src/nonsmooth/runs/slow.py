@@ -401,7 +401,7 @@ def run_slow(
         segment=allocate_segment(sizes, max(0, n_chosen)),
         tangent=allocate_tangent(sizes, n_chosen, 0),
         records=allocate_records(sizes, *_NOTHING, FIRST_CAPACITY),
-        log=EventLog(keep_events),
+        log=EventLog(keep_events, most=limits.foreseen_events),
         limits=limits,
     )  # fmt: skip
     run.enter(period, tables)

@@ -152,6 +152,7 @@ def plan_slow_run(
     t_end: float | None,
     times: npt.ArrayLike | None,
     samples_per_period: int,
+    sample_bytes: int = 0,
 ) -> SlowPlan:
     """Plan of a run from an instant of a period, or from its end."""
     begins = period.origin + (window if start.number > period.number else start.phase)
@@ -162,7 +163,7 @@ def plan_slow_run(
     if periods is not None:
         if not finite_number("periods", periods) > 0:
             raise OptionError(f"periods = {periods} must be positive")
-        check_count(np.floor(periods * per_period + _SAME))
+        check_count(np.floor(periods * per_period + _SAME), sample_bytes)
         plan.periods = float(periods)
     elif times is not None:
         plan.grid = time_grid(times)
@@ -176,6 +177,6 @@ def plan_slow_run(
         if not finite_number("t_end", t_end) > begins:
             raise OptionError(f"t_end = {t_end} must be later than the start, t = {begins:g}")
         assert t_end is not None
-        check_count(np.floor((t_end - begins) / window * per_period))
+        check_count(np.floor((t_end - begins) / window * per_period), sample_bytes)
         plan.t_end = float(t_end)
     return plan
