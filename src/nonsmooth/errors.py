@@ -24,6 +24,7 @@ __all__ = [
     "RunError",
     "RunWarning",
     "is_known",
+    "unknown_choice",
     "unknown_name",
 ]
 
@@ -145,12 +146,23 @@ def is_known(value: Any, known: Container[str]) -> bool:
     return isinstance(value, str) and value in known
 
 
+def unknown_choice(option: str, value: Any, known: Iterable[str]) -> str:
+    """Sentence for a value of an option that is none of those it may have."""
+    names = list(map(str, known))
+    return f"{option} = {value!r:.60}: give one of {', '.join(names)}{_nearest(value, names)}"
+
+
+def _nearest(name: Any, names: list[str]) -> str:
+    """Question that suggests the nearest of some names, where one is near."""
+    begun = [each for each in names if str(name) and each.startswith(str(name))]
+    near = begun or get_close_matches(str(name), names, n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""
+
+
 def unknown_name(kind: str, name: Any, known: Iterable[str]) -> str:
     """Sentence for a name that is not declared: what is known, and the nearest one."""
     names = sorted(map(str, known))
-    begun = [each for each in names if str(name) and each.startswith(str(name))]
-    near = begun or get_close_matches(str(name), names, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
+    hint = _nearest(name, names)
     listed = ", ".join(names[:_MOST_LISTED]) if names else "none"
     if len(names) > _MOST_LISTED:
         listed += f" and {len(names) - _MOST_LISTED:,} more"

@@ -170,6 +170,11 @@ def test_values_that_are_refused():
     assert np.isnan(found["contacts"][0])
 
 
+def test_the_default_mode_is_told_as_such_where_there_is_none():
+    with pytest.raises(ns.OptionError, match="the system has no mode 'contact'; name the modes"):
+        ns.contact_statistics(ns.models.print_hammer(), transient=1, record=1)
+
+
 def test_a_value_that_would_be_lost():
     with pytest.raises(ns.OptionError, match="the value of 'w' counts for nothing"):
         ns.contact_statistics(wave(), "w", [1.0, 2.0], parameters={"w": 3.0}, **QUICK)

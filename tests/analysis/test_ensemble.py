@@ -235,7 +235,7 @@ def test_what_does_not_fit_into_memory_is_refused():
         (None, {"parameters": {"w": [1.0, np.nan]}}, r"parameters\['w'\]\[1\] = nan"),
         (None, {"parameters": [1.0]}, "mapping of names"),
         (None, {"parameters": {"w": -1.0}}, "period"),
-        (None, {"combine": "zip"}, "unknown way 'zip'"),
+        (None, {"combine": "zip"}, "combine = .zip.: give one of "),
         (
             {"x": [1.0, 2.0]},
             {"parameters": {"w": [1.0, 2.0, 3.0]}, "combine": "pairs"},

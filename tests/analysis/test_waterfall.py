@@ -135,7 +135,7 @@ def test_a_map_gives_the_period():
         ({"variable": ("x", "u")}, "one unit"),
         ({"window": "square"}, "window = 'square'"),
         ({"record": 2, "segments": 3}, "too few"),
-        ({"start": "upward"}, "unknown way"),
+        ({"start": "upward"}, "start = .upward.: give one of "),
         ({"values": []}, "non-empty"),
         ({"parameters": {"w": 2.0}}, "the value of 'w' counts for nothing"),
         ({"parameter": "q"}, "unknown parameter"),

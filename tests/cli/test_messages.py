@@ -178,3 +178,21 @@ def test_names_with_commas():
     known = ["free", "touch,up", "touch,down", "touch,up,hard"]
     parts = ["touch", "up", "touch", "up", "hard", "free", "other"]
     assert whole_names(parts, known) == ["touch,up", "touch,up,hard", "free", "other"]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["simulate", "soft_impact", "omega=1e400"], "NAME=VALUE: omega = 1e400 is beyond"),
+        (["simulate", "soft_impact", "--initial", "x=-1e400"], "--initial: x = -1e400 is beyond"),
+        (
+            ["simulate", "soft_impact", "--periods", "1e400"],
+            "Invalid value for '--periods': '1e400' is not a number",
+        ),
+        (["diagram", "soft_impact", "--over", "omega=0.8:1e400:3"], "last = 1e400 is beyond"),
+    ],
+)
+def test_a_number_beyond_all_numbers_is_told_as_it_was_typed(call, words, told):
+    result = call(*words)
+    assert result.exit_code == 2
+    assert told in result.stderr and "inf" not in result.stderr.replace("infinite", "")

@@ -171,7 +171,10 @@ def test_run_up_and_run_down_on_one_axes(ax):
         (lambda run, spectra, ax: ns.plot.orbit(run, "x", "z", ax=ax), "unknown variable 'z'"),
         (lambda run, spectra, ax: ns.plot.orbit(run, clearance=0, ax=ax), "must be positive"),
         (lambda run, spectra, ax: ns.plot.waterfall(run, ax=ax), "give it a result of waterfall"),
-        (lambda run, spectra, ax: ns.plot.waterfall(spectra, kind="heap"), "unknown kind 'heap'"),
+        (
+            lambda run, spectra, ax: ns.plot.waterfall(spectra, kind="heap"),
+            "kind = .heap.: give one",
+        ),
         (lambda run, spectra, ax: ns.plot.waterfall(spectra, kind="map", height=1), "leave it out"),
         (lambda run, spectra, ax: ns.plot.waterfall(spectra, highest=0), "must be positive"),
         (lambda run, spectra, ax: ns.plot.statistics(run, "x"), "neither 'parameter' nor"),

@@ -22,7 +22,7 @@ from nonsmooth.analysis.basins.by_cell_shares import by_cell_shares
 from nonsmooth.analysis.basins.by_recurrences import NOT_COMPUTED, Basins, by_recurrences
 from nonsmooth.analysis.basins.region import Grid, read_grid
 from nonsmooth.analysis.options import SharedOptions, result_attributes
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_choice
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
@@ -187,7 +187,7 @@ def _check_mapping(
     """Refuse what a map of cells cannot do."""
     if not is_known(method, _MAPPINGS):
         known = [_FOLLOWED, *_MAPPINGS]
-        raise OptionError(f"method = {method!r}: {unknown_name('method', str(method), known)}")
+        raise OptionError(unknown_choice("method", method, known))
     if isinstance(chosen, PoincareMap):
         raise OptionError(
             f"method = {method!r} needs a map of cells along every state, and points of a section"

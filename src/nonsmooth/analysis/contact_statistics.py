@@ -170,6 +170,11 @@ def _asked(sweep: SweepProtocol, contact: Any, of: Any, percentiles: Any) -> Ask
         try:
             numbers |= set(mode_numbers(model, str(name)))
         except OptionError as fault:
+            if contact == "contact":  # by default, so nobody may have typed it
+                raise OptionError(
+                    f"contact: the system has no mode 'contact'; name the modes that are"
+                    f" contact by contact=, of {', '.join(model.modes)}"
+                ) from None
             raise OptionError(f"contact: {str(fault).removeprefix('mode: ')}") from None
     variables = _names("of", of)
     known = [*model.states, *model.outputs]

@@ -19,7 +19,7 @@ from nonsmooth.analysis.regimes.options import check_system, make_protocol
 from nonsmooth.analysis.regimes.points import Plane
 from nonsmooth.analysis.regimes.regime_dataset import map_dataset
 from nonsmooth.analysis.settle import said_of_start
-from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
+from nonsmooth.errors import ModelError, OptionError, is_known, unknown_choice, unknown_name
 from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import Start, check_carried, resolve_start
@@ -179,7 +179,7 @@ def regime_map(
             " take more values of the first parameter, and refine=0"
         )
     if not is_known(fill, _FILLS):
-        raise OptionError(f"fill = {fill!r:.60}: {unknown_name('filling', str(fill), _FILLS)}")
+        raise OptionError(unknown_choice("fill", fill, _FILLS))
     protocol = make_protocol(transient, record, evidence, longest, confirm, phase, match)
     fine = (refined_values(values[0], levels), refined_values(values[1], levels))
     if fine[0].size * fine[1].size > _MOST:

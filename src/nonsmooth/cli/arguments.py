@@ -141,8 +141,11 @@ def _unknown_model(model: str, known: Iterable[str]) -> str:
 
 
 def _number_or_text(text: str) -> float | str:
-    # A plain number as such: the system then equals the one that a script makes.
-    return float(text) if _NUMBER.fullmatch(text.strip()) else text
+    # A plain number as such: the system then equals the one that a script makes. One beyond the
+    # range of numbers stays a text, so that an error can tell what was typed.
+    if not _NUMBER.fullmatch(text.strip()) or math.isinf(float(text)):
+        return text
+    return float(text)
 
 
 def settings(
@@ -176,6 +179,7 @@ def _constant(text: str, where: str) -> float:
     from nonsmooth.system.text.expressions import names_in
     from nonsmooth.system.text.grammar import parse
 
+    _check_range(text, where)
     tree = parse(text, where=where)
     others = sorted(n.name for n in names_in(tree) if n.name != "pi")
     if others:
@@ -184,6 +188,12 @@ def _constant(text: str, where: str) -> float:
             " pi/2"
         )
     return constant_value(tree, {})
+
+
+def _check_range(text: str, where: str) -> None:
+    """Refuse a number that is larger than any, and would become infinite."""
+    if _NUMBER.fullmatch(text.strip()) and math.isinf(float(text)):
+        raise OptionError(f"{where} = {text} is beyond the range of numbers, about 1.8e308")
 
 
 def names(text: str | None) -> list[str]:
@@ -204,6 +214,7 @@ def whole_names(parts: Sequence[str], known: Iterable[str]) -> list[str]:
 
 def number(text: str, option: str) -> float:
     """A number, which may be a constant expression such as ``pi/2``."""
+    _check_range(text, option)
     try:
         return float(text)
     except ValueError:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, unknown_choice
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,7 +26,7 @@ def way_to_align(align: Any, x: str, computed: xr.Dataset, measured: xr.Dataset)
         both = x == "time" and all(marks_of(each).size for each in (computed, measured))
         return "mark" if both else "time"
     if align not in WAYS:
-        raise OptionError(f"align = {align!r:.60}: {unknown_name('way', str(align), WAYS)}")
+        raise OptionError(unknown_choice("align", align, WAYS))
     if x != "time":
         raise OptionError(
             f"align = {align!r}: histories over time are aligned; give x='time', or leave align="

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, unknown_choice
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
 
@@ -37,8 +37,7 @@ def check_drawing(chosen: Mapping[str, str]) -> None:
     """Refuse a kind of drawing, or an axis below it, that there is none of; by their options."""
     for (name, value), known in zip(chosen.items(), (_KINDS, _AXES), strict=True):
         if value not in known:
-            word = name.lstrip("-")
-            raise OptionError(f"{name} = {value!r}: {unknown_name(word, str(value), known)}")
+            raise OptionError(unknown_choice(name, value, known))
 
 
 @checked

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, unknown_choice, unknown_name
 from nonsmooth.plot.alignment import folded, marks_of, turns_of
 from nonsmooth.plot.compared_spectra import MEASURED
 from nonsmooth.plot.figures import divided, new_axes
@@ -186,7 +186,7 @@ def picked_events(data: xr.Dataset, channel: str) -> xr.Dataset:
 def _checked_way(data: xr.Dataset, align: str, periods: int | None) -> bool:
     """Whether periods are laid over each other."""
     if align not in _WAYS:
-        raise OptionError(f"align = {align!r:.60}: {unknown_name('way', align, _WAYS)}")
+        raise OptionError(unknown_choice("align", align, _WAYS))
     if periods is not None and (align == "time" or periods < 1):
         raise OptionError(
             f"periods = {periods}: give a number of at least 1, together with align='phase'"

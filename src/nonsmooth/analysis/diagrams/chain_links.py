@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_choice
 
 __all__ = ["End", "check_way", "links_of", "pack_end", "take_end"]
 
@@ -28,7 +28,7 @@ class End(NamedTuple):
 def check_way(start: Any) -> str:
     """How columns begin."""
     if not is_known(start, _STARTS):
-        raise OptionError(f"start = {start!r}: {unknown_name('way', str(start), _STARTS)}")
+        raise OptionError(unknown_choice("start", start, _STARTS))
     return str(start)
 
 

@@ -13,7 +13,7 @@ from nonsmooth.analysis.diagrams.chain_links import End, pack_end, take_end
 from nonsmooth.analysis.options import check_match
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_choice, unknown_name
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.outputs import SampleClock, output_values
@@ -92,7 +92,7 @@ def read_protocol(
     """How every column is computed."""
     system = chosen.system
     if not is_known(side, _SIDES):
-        raise OptionError(f"side = {side!r}: {unknown_name('side', str(side), _SIDES)}")
+        raise OptionError(unknown_choice("side", side, _SIDES))
     return DiagramProtocol(
         chosen=chosen,
         parameter=parameter,

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_choice, unknown_name
 from nonsmooth.runs.start import check_carried
 from nonsmooth.system.system import System
 
@@ -65,7 +65,7 @@ class Members:
 def members_of(system: System, initial: Any, arrays: Mapping[str, Floats], combine: Any) -> Members:
     """Lanes of initial states and of parameters with several values, as users give them."""
     if not is_known(combine, _WAYS):
-        raise OptionError(f"combine = {combine!r}: {unknown_name('way', str(combine), _WAYS)}")
+        raise OptionError(unknown_choice("combine", combine, _WAYS))
     starts, n_starts = _starts(system, initial)
     if combine == "grid":
         grids = np.meshgrid(*arrays.values(), indexing="ij") if arrays else []
