@@ -58,3 +58,18 @@ def test_wrong_use(healthy):
         ns.plot.alarm(ns.measured.alarm(healthy, rate=0.02))
     with pytest.raises(ns.OptionError, match="give a result of measured"):
         ns.plot.roc(found(healthy))
+
+
+@pytest.mark.parametrize(("top", "least"), [(6.0, 2), (60.0, 4)])
+def test_scores_have_plain_numbers(top, least):
+    noise = np.random.default_rng(0).normal(size=600)
+    healthy = xr.Dataset({"second": ("window", noise[:500])})
+    watched = xr.Dataset({"second": ("window", noise[500:] * 0.1 + np.linspace(5.0, top, 100))})
+    ax = ns.plot.alarm(ns.measured.alarm(healthy, watched))
+    ax.get_figure(root=True).canvas.draw()
+    low, high = ax.get_ylim()
+    ticks = zip(ax.get_yticks(), ax.yaxis.get_majorticklabels(), strict=True)
+    told = [(place, text.get_text()) for place, text in ticks if low <= place <= high]
+    assert len(told) >= least
+    assert all(float(text) == place for place, text in told)
+    assert not any(text.get_text() for text in ax.yaxis.get_minorticklabels())

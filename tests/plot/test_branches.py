@@ -324,3 +324,17 @@ def test_the_first_of_two_branches_in_one_place_is_seen(ax):
     ns.plot.branch({"period 2": one, "period 4": one}, "x", ax=ax)
     fronts = [line.get_zorder() for line in ax.lines if str(line.get_gid()).startswith("branch")]
     assert fronts[0] > fronts[1] > fronts[2] > 1.0  # all before a diagram
+
+
+def test_a_curve_of_special_points_has_no_stability():
+    """At a flip a multiplier is -1, on either side of the unit circle by rounding."""
+    p = np.linspace(0.0, 1.0, 11)
+    curve = xr.Dataset(
+        {"p": ("point", p), "q": ("point", p**2), "stable": ("point", p * 10 % 2 < 1)},
+        attrs={"parameter": "p", "special_kind": "flip"},
+    )
+    ax = ns.plot.branch(curve, "q")
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["flip curve"]
+    (line,) = [each for each in ax.lines if len(each.get_xdata())]
+    assert line.get_linestyle() == "-"
+    np.testing.assert_array_equal(line.get_xdata()[np.isfinite(line.get_xdata())], p)

@@ -143,3 +143,22 @@ def test_other_colours_are_refused():
         ns.plot.bifurcation(diagram(3, 2), "x", colour="lane")
     with pytest.raises(OptionError, match="no variable 'period'"):
         ns.plot.bifurcation(diagram(3, 2).drop_vars("period"), "x", colour="period")
+
+
+def test_no_initial_state_hides_another_where_there_are_many_points():
+    """Two clouds of points in the same place: each has about half of what is seen."""
+    from matplotlib.colors import to_rgb
+
+    rng = np.random.default_rng(0)
+    diagram = xr.Dataset(
+        {"x": (("parameter", "lane", "point"), rng.uniform(size=(400, 2, 100)))},
+        {"parameter": ("parameter", np.linspace(0.0, 1.0, 400))},
+    )
+    ax = ns.plot.bifurcation(diagram, "x", legend=False)
+    figure = ax.get_figure(root=True)
+    figure.set_dpi(100)
+    figure.canvas.draw()
+    seen = np.asarray(figure.canvas.buffer_rgba())[..., :3] / 255.0
+    colours = [to_rgb(colour) for colour in dict.fromkeys(line.get_color() for line in ax.lines)]
+    shares = [np.count_nonzero(np.abs(seen - colour).max(axis=2) < 0.02) for colour in colours]
+    assert len(shares) == 2 and min(shares) > 0.35 * sum(shares)

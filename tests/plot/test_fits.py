@@ -169,6 +169,8 @@ def test_dots_of_a_phase_lie_where_the_forcing_says(found):
 def test_axes_have_the_units_of_the_record(found):
     ax = ns.plot.fit(found.assign(channel_units=("channel", ["mm", "V"])), "b")
     assert ax.get_ylabel() == "b [V]"
+    (panel,) = [each for each in ax.figure.axes if each.get_ylabel().startswith("residual")]
+    assert panel.get_ylabel().split() == ["residual", "[V]"]
     assert ns.plot.fit(found.drop_vars("channel_units"), "b").get_ylabel() == "b"
     timed = found.assign(channel_units=("channel", ["mm", "V"]))
     timed = timed.assign_coords(time=timed["time"].assign_attrs(units="s"))

@@ -10,7 +10,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, plain_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,6 +96,7 @@ def alarm(found: xr.Dataset, *, ax: Axes | None = None, legend: bool = True) -> 
     first = int(found["first_alarm"])
     if first >= 0:
         ax.axvline(over[first], **LINES[2], label="first alarm")
+    plain_numbers(ax.yaxis)
     finish_axes(ax, label, axis_label(found["score"]))
     if legend:
         place_legend(ax)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "INADMISSIBLE",
+    "SPECIAL",
     "STABLE",
     "UNSTABLE",
     "BranchCurve",
@@ -58,7 +59,7 @@ _ARMS, _LINE = 1.8, 1.3  # size of marks that are mere lines, over that of other
 _NESTED = 0.65  # size of a mark over that of the one below it
 _SAME = 1e-9  # part of the way between two points within which a special point is one of them
 
-STABLE, UNSTABLE, INADMISSIBLE = 0, 1, 2
+STABLE, UNSTABLE, SPECIAL, INADMISSIBLE = 0, 1, 2, 3
 _NEITHER = -1  # exactly where a change happens
 
 
@@ -161,7 +162,8 @@ class BranchCurve(NamedTuple):
 
     x: Floats
     y: Floats
-    kind: npt.NDArray[np.int64]  # of the way to the next point: STABLE, UNSTABLE, INADMISSIBLE
+    kind: npt.NDArray[np.int64]  # of the way to the next point: STABLE, UNSTABLE, SPECIAL, ...
+    special: str = ""  # what its points are, where it is a curve of special ones
 
     def ways(self, kind: int) -> npt.NDArray[np.bool_]:
         """Which points have a way of one kind to the next one."""
@@ -231,9 +233,13 @@ def branch_curve(
 ) -> BranchCurve:  # fmt: skip
     """Line through the points of a branch; it changes its kind at special points.
 
+    A curve of special points has no stability: each is where orbits change it, or their word.
     ``points`` and ``places`` are x and y of the points of the branch and of the special points.
     """
     kind = np.where(branch["stable"].values.astype(bool), STABLE, UNSTABLE)
+    what = str(branch.attrs.get("special_kind", ""))
+    if what:
+        kind = np.full_like(kind, SPECIAL)
     if "admissible" in branch:
         kind = np.where(branch["admissible"].values.astype(bool), kind, INADMISSIBLE)
     # a special point that is a point of the branch: rounding says which kind it is
@@ -242,7 +248,7 @@ def branch_curve(
     kind[np.delete(exact, inner)] = _NEITHER
     place = special.before[inner] + 1
     x, y = (np.insert(old, place, new[inner]) for old, new in zip(points, places, strict=True))
-    return BranchCurve(x, y, _ways(np.insert(kind, place, _NEITHER)))
+    return BranchCurve(x, y, _ways(np.insert(kind, place, _NEITHER)), what.replace("_", " "))
 
 
 def _ways(kinds: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

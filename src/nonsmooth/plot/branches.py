@@ -12,6 +12,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.branch_curves import (
     INADMISSIBLE,
+    SPECIAL,
     STABLE,
     UNSTABLE,
     BranchCurve,
@@ -44,6 +45,7 @@ Branches: TypeAlias = "xr.Dataset | Sequence[xr.Dataset] | Mapping[str, xr.Datas
 KIND_STYLES: dict[int, tuple[str, dict[str, Any]]] = {
     STABLE: ("stable", {"linestyle": "-", "linewidth": 1.1}),
     UNSTABLE: ("unstable", {"linestyle": (0, (4.0, 1.6)), "linewidth": 1.1}),
+    SPECIAL: ("{} curve", {"linestyle": "-", "linewidth": 1.1}),
     INADMISSIBLE: ("inadmissible", {"linestyle": (0, (1.0, 1.4)), "linewidth": 1.2}),
 }
 # dark, so that they stand out before the dots of a diagram
@@ -75,8 +77,9 @@ def branch(
     Parameters
     ----------
     branches : xarray.Dataset, sequence or mapping
-        Result of `continue_orbit`; several are told apart by colour, and named in the legend by
-        the keys of a mapping.
+        Result of `continue_orbit`, or of `continue_special`, whose points have no stability and
+        are one solid line; several are told apart by colour, and named in the legend by the keys
+        of a mapping.
     y : str
         A variable over the points of the branch, such as a state, ``"v_per_time"``, ``"length"``
         or ``"residual"``; ``"multipliers"`` for the modulus of the largest one, with an axis that
@@ -223,7 +226,8 @@ def draw_curve(curve: BranchCurve, ax: Axes, colour: str, number: int) -> None:
     for kind, (name, style) in KIND_STYLES.items():
         line = broken(points, curve.ways(kind))
         if line.size:
-            ax.plot(*line, color=colour, **style, zorder=front, label=f"_{name}", gid=gid)
+            label = f"_{name.format(curve.special)}"
+            ax.plot(*line, color=colour, **style, zorder=front, label=label, gid=gid)
 
 
 def _explain(ax: Axes, colours: Mapping[str, str]) -> None:
@@ -232,8 +236,11 @@ def _explain(ax: Axes, colours: Mapping[str, str]) -> None:
     drawn = {line.get_label() for line in ax.lines if _is_branch(line)}
     # black may be the colour of a branch
     neutral = "0.5" if len(colours) > 1 else "black"
-    for name, style in KIND_STYLES.values():
-        if f"_{name}" in drawn and name not in known:
+    named = [(name, style) for name, style in KIND_STYLES.values() if f"_{name}" in drawn]
+    curves = sorted(label[1:] for label in drawn if label.endswith(" curve"))
+    named += [(name, KIND_STYLES[SPECIAL][1]) for name in curves]
+    for name, style in named:
+        if name not in known:
             ax.plot([], [], color=neutral, **style, label=name)
     for name, colour in colours.items():
         if name and name not in known:

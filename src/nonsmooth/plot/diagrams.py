@@ -25,6 +25,7 @@ __all__ = ["bifurcation"]
 _DENSE = 20_000  # points; more become an image within a PDF
 _FEW = 3_000  # points that are drawn large enough to be seen one by one
 _MARKERS = "osD^v<>"
+_LAYERS = 40  # in which points of several colours are drawn in turn, so that none hides another
 _COLOURED = 1.5  # times as large: small dots of pale colours are faint
 _COLOURS = ("initial", "period")
 _NO_PERIOD = "no period found"
@@ -61,7 +62,8 @@ def bifurcation(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes, with one set of points for each initial state, or for each colour.
+        The axes, with one set of points for each initial state, or for each colour; with many
+        points in layers, each of which has some points of each colour, so that none hides another.
 
     Raises
     ------
@@ -107,19 +109,7 @@ def bifurcation(
     size = 3.0 if count <= _FEW else (1.5 if count <= _DENSE else 0.9)
     size *= _COLOURED if colour == "period" else 1.0
     parts = _lanes(values) if colour == "initial" else _periods(diagram, values)
-    for part in parts:
-        here = np.broadcast_to(diagram["parameter"].values[:, None], part.values.shape)
-        ax.plot(
-            here.ravel(),
-            part.values.ravel(),
-            linestyle="none",
-            marker="." if count > _FEW else _MARKERS[part.lane % len(_MARKERS)],
-            markersize=size * max(0.4, 1.0 - 0.3 * part.lane),  # those below stay visible
-            markeredgewidth=0.0,
-            color=part.colour,
-            label=part.label,
-            rasterized=count > _DENSE,
-        )
+    _draw(ax, diagram["parameter"].values, list(parts), size, count)
     here = np.broadcast_to(diagram["parameter"].values[:, None, None], faulty.shape)
     mark_flagged(ax, here, faulty, np.isfinite(faulty))
     # columns without a point, such as an event that does not happen, belong to the picture too
@@ -131,6 +121,35 @@ def bifurcation(
     if legend:
         place_legend(ax)
     return ax
+
+
+def _draw(ax: Axes, over: Floats, parts: list[_Part], size: float, count: int) -> None:
+    """Draw points: few of them in sizes that leave those below visible, many in layers.
+
+    Each layer has some points of each part, drawn at random.
+    """
+    layers = _LAYERS if count > _FEW and len(parts) > 1 else 1
+    rng = np.random.default_rng(0)
+    points = []
+    for part in parts:
+        here = np.broadcast_to(over[:, None], part.values.shape)[np.isfinite(part.values)]
+        both = np.stack([here, part.values[np.isfinite(part.values)]])
+        points.append(both if layers == 1 else rng.permutation(both, axis=1))
+    for layer in range(layers):
+        for part, both in zip(parts, points, strict=True):
+            ax.plot(
+                *both[:, layer::layers],
+                linestyle="none",
+                marker="." if count > _FEW else _MARKERS[part.lane % len(_MARKERS)],
+                markersize=size * (1.0 if layers > 1 else max(0.4, 1.0 - 0.3 * part.lane)),
+                markeredgewidth=0.0,
+                color=part.colour,
+                label=part.label if layers == 1 else None,
+                rasterized=count > _DENSE,
+            )
+    for part in parts if layers > 1 else ():  # large enough to tell colours apart
+        style = {"linestyle": "none", "marker": ".", "markeredgewidth": 0.0, "markersize": 6.0}
+        ax.plot([], [], color=part.colour, label=part.label, **style)
 
 
 class _Part(NamedTuple):

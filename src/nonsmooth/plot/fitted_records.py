@@ -125,16 +125,18 @@ def fit(
         label = axis_label(data["time"])
     ax.tick_params(labelbottom=False)
     panel.set_xlabel(label)
-    panel.set_ylabel("residual")
-    finish_axes(ax, " ", _height_label(data, name, of_events))
+    # the panel is too low for both in one line
+    panel.set_ylabel(_height_label(data, name, "residual").replace(" [", "\n["))
+    heading = f"{name}: time since the one before" if of_events else name
+    finish_axes(ax, " ", _height_label(data, name, heading))
     place_legend(ax)
     return ax
 
 
-def _height_label(data: xr.Dataset, name: str, of_events: bool) -> str:
-    """The channel with the units of its record; results of older versions tell none."""
+def _height_label(data: xr.Dataset, name: str, heading: str) -> str:
+    """A heading with the units of the record of a channel; older results tell none."""
     said = data["channel"].sel(channel=name).copy()
-    said.attrs["long_name"] = f"{name}: time since the one before" if of_events else name
+    said.attrs["long_name"] = heading
     if "channel_units" in data:
         said.attrs["units"] = str(data["channel_units"].sel(channel=name).item())
     return axis_label(said)

@@ -13,6 +13,7 @@ from nonsmooth.errors import OptionError
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.colors import Colormap
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "mixed",
     "mode_colours",
     "mode_numbers",
+    "plain_numbers",
     "text_width",
     "wrapped",
 ]
@@ -54,6 +56,7 @@ _SHADES = ((0, 0), (0, 9), (255, 10), (0, 14))  # black or white, and twentieths
 _PIECE = 0.78  # of the side of the axes: labels of several lines take room from it
 _OVER = 1.03  # of the height of the axes, for a line beside them
 _FLAT, _HEIGHT = 1e-10, 0.05  # of the size of values: a span that is rounding, and what it gets
+_MOST_DECADES, _ONE_BY_ONE = 4.0, 0.7  # of a logarithmic axis with plain numbers, with each digit
 _NOTHING = "no finite values to draw"
 _SYMBOL = re.compile(r"\b([A-Za-z]+)_([A-Za-z0-9]+)\b")  # a unit such as A_b or omega_M
 _GREEK = (
@@ -195,6 +198,20 @@ def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
     if ax.lines and not np.isfinite(ax.dataLim.get_points()).any():
         ax.text(0.5, 0.5, _NOTHING, transform=ax.transAxes, ha="center", va="center", color="0.4",
                 fontsize=ax.xaxis.label.get_fontsize())  # fmt: skip
+
+
+def plain_numbers(axis: Axis) -> None:
+    """Numbers such as 6 along a logarithmic axis of few decades, in place of 6e0."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    low, high = sorted(axis.get_view_interval())
+    decades = float(np.log10(high / low)) if low > 0.0 else np.inf
+    if decades > _MOST_DECADES:
+        return
+    parts = (1.0, 2.0, 5.0) if decades > _ONE_BY_ONE else tuple(np.arange(1.0, 10.0))
+    axis.set_major_locator(LogLocator(subs=parts))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _widen_constant(ax: Axes) -> None:

@@ -29,7 +29,9 @@ class Surface:
     function : str
         Expression that is zero on the surface.
     below, on, above : str, optional
-        Names of the cells with a negative, zero and positive function, for phase words.
+        Names of the cells with a negative, zero and positive function, for phase words. A cell is
+        called by them where each of its surfaces has a name for its side; where one has none it is
+        called by signs, as in ``flow[+-]``. `Mode` names such cells by ``cells``.
     hold : str or float, optional
         How much the surface holds, beside what it does while motion passes: static over kinetic
         friction, dimensionless, 1 or more. Motion that arrives stays while it can be held.

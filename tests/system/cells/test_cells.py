@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth import Exit, Mode, System
+from nonsmooth import Exit, Mode, Surface, System
 from nonsmooth.engine.tables import FREE
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.system.algebra.linear import Power, State
@@ -223,6 +223,26 @@ def test_constant_sides_of_a_guard_are_allowed():
         "m": Mode({"x": "1"}, exits=[Exit("-sign(x - 1)", to="stop")])})  # fmt: skip
     with pytest.raises(ModelError, match="guard is the constant -1"):
         System(states=["x"], modes={"m": Mode({"x": "1"}, exits=[Exit("x - 1 - x", to="stop")])})
+
+
+def test_explain_tells_names_of_sides_that_are_not_used(capsys):
+    """Of two surfaces one has names: no cell is called by them, and explain says why."""
+
+    def told(**words):
+        flow = {"x": "v", "v": "-x + clip(x, -1, 1) - sign(slip)"}
+        surface = Surface("v", below="back", on="still", above="forth")
+        system = System(
+            states=["x", "v"], surfaces={"slip": surface}, modes={"m": Mode(flow, **words)}
+        )
+        system.explain()
+        return system, capsys.readouterr().out
+
+    system, out = told()
+    assert not any("forth" in name for name in system.mode_names)
+    assert "cells go by signs, not by the sides of slip: name those of s" in out
+    signs = [name[2:-1] for name in system.mode_names]
+    _, out = told(cells={sign: f"c{k}" for k, sign in enumerate(signs)})
+    assert "cells go by signs" not in out
 
 
 def test_explain_lists_cells(capsys):

@@ -122,11 +122,29 @@ def _cells(system: EvaluatedSystem, mode: str, cells: Sequence[ModeForms]) -> It
     """Switching functions of a mode, and the signs of its cells."""
     found = system.structure.families[mode].split
     yield "surfaces", [(name, f"{found.text_of(name)} = 0") for name in found.nodes]
+    unused = _unused_names(found)
+    if unused and any(forms.label == forms.name for forms in cells):
+        yield "names", [(unused,)]
     rows = []
     for forms in cells:
         sides = ", ".join(f"{name} {_SIDES[sign]}" for name, sign in forms.sides)
         rows.append((forms.name, sides, forms.label if forms.label != forms.name else ""))
     yield "cells", rows
+
+
+def _unused_names(found: SplitMode) -> str:
+    """Why cells are called by signs although sides of a surface have names; empty else."""
+    named, others = [], []
+    for key, name in found.names.items():
+        declared = found.declared.get(key)
+        has = declared is not None and any(declared.label(sign) for sign in (-1, 0, 1))
+        (named if has else others).append(name)
+    if not (named and others):
+        return ""
+    return (
+        f"cells go by signs, not by the sides of {', '.join(named)}: name those of"
+        f" {', '.join(others)} too, or the cells"
+    )
 
 
 def _states(system: EvaluatedSystem) -> Iterator[tuple[str, str]]:
