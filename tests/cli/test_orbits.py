@@ -278,3 +278,11 @@ def test_wrong_use(call, asked, arguments, message):
     assert result.exit_code == 2
     assert message in result.stderr
     assert not asked
+
+
+def test_an_output_cannot_be_drawn_over_a_branch(call, tmp_path):
+    words = ["continue", "soft_impact", "--over", "omega=0.8:0.85", "--plot", tmp_path / "a.png"]
+    result = call(*words, "--draw", "stop_force")
+    assert result.exit_code == 2
+    assert "--draw: 'stop_force' is an output, and the points of a branch hold" in result.stderr
+    assert "nonsmooth diagram --draw stop_force" in result.stderr

@@ -338,3 +338,11 @@ def test_a_curve_of_special_points_has_no_stability():
     (line,) = [each for each in ax.lines if len(each.get_xdata())]
     assert line.get_linestyle() == "-"
     np.testing.assert_array_equal(line.get_xdata()[np.isfinite(line.get_xdata())], p)
+
+
+def test_an_output_is_told_from_an_unknown_name():
+    branch = ns.continue_orbit(ns.models.soft_impact(a=0.2), "a", (0.1, 0.2))
+    with pytest.raises(OptionError, match="'stop_force' is an output of the system, and the"):
+        ns.plot.branch(branch, "stop_force")
+    with pytest.raises(OptionError, match="unknown variable 'stop_forc'"):
+        ns.plot.branch(branch, "stop_forc")

@@ -182,6 +182,12 @@ def _branch_variable(system: System, text: str | None) -> str:
     drifts = [f"{name}_per_{unit}" for name in system.drift_states for unit in ("time", "period")]
     if text is None:
         return drifts[0] if drifts else system.states[0]
+    if text in system.outputs:
+        raise OptionError(
+            f"--draw: {text!r} is an output, and the points of a branch hold states only; draw a"
+            f" state, such as {system.states[0]}, or the output over a diagram: nonsmooth diagram"
+            f" --draw {text}"
+        )
     return single(text, [*system.states, *drifts, "length", "residual", "multipliers"])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -200,9 +201,27 @@ def quantity(branch: xr.Dataset, name: str, leg: int | str | None = None) -> tup
         if branch[v].dims == ("point",) and branch[v].dtype.kind in "fiu"
     ]
     if name not in curves:
+        if name in _outputs(branch):
+            raise OptionError(
+                f"{name!r} is an output of the system, and the points of a branch hold states only;"
+                " draw a state, or the output of a diagram by plot.bifurcation"
+            )
         known = [*curves, *(v for v in ("multipliers", "durations") if v in branch)]
         raise OptionError(unknown_name("variable", name, known))
     return branch[name].values.astype(float), axis_label(branch[name])
+
+
+def _outputs(branch: xr.Dataset) -> Mapping[str, Any]:
+    """Outputs of the system of a branch, as its file has them."""
+    import tomllib
+
+    try:
+        found: Mapping[str, Any] = tomllib.loads(str(branch.attrs.get("system", ""))).get(
+            "outputs", {}
+        )
+    except tomllib.TOMLDecodeError:
+        return {}
+    return found
 
 
 def _duration(branch: xr.Dataset, leg: int | str | None) -> tuple[Floats, str]:
