@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.runs import store
-from nonsmooth.runs.store import free_memory, reserve, size_text
+from nonsmooth.runs import memory, store
+from nonsmooth.runs.memory import free_memory, size_text
+from nonsmooth.runs.store import reserve
 
 
 @pytest.mark.parametrize(
@@ -55,5 +56,5 @@ def test_free_memory_where_the_system_does_not_tell(monkeypatch):
     assert 2**24 < free_memory() < 2**50
     monkeypatch.setattr(Path, "read_text", lambda *_, **__: "")
     assert 2**24 < free_memory() < 2**50
-    monkeypatch.delattr(store.os, "sysconf")
+    monkeypatch.delattr(memory.os, "sysconf")
     assert free_memory() == 4 * 2**30

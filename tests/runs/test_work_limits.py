@@ -306,7 +306,7 @@ def test_a_log_for_which_there_is_no_memory_is_refused_before_the_run_fills_it(m
 
 @pytest.mark.parametrize("end", [{"periods": 5000}, {"t_end": 11000.0}])
 def test_samples_for_which_there_is_no_memory_are_refused(monkeypatch, end):
-    monkeypatch.setattr("nonsmooth.runs.store.free_memory", lambda: 10**7)
+    monkeypatch.setattr("nonsmooth.runs.options.free_memory", lambda: 10**7)
     with pytest.raises(OptionError, match=r"samples take .* and 10 MB of memory are free; lower"):
         ns.simulate(wall(), **end)
     assert ns.simulate(wall(), samples_per_period=1, **end).attrs["status"] == "completed"

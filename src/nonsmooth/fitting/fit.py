@@ -13,10 +13,10 @@ from scipy.stats import qmc
 
 from nonsmooth.analysis.options import SharedOptions, check_seed, refuse_fixed
 from nonsmooth.errors import OptionError, ResultWarning, RunError, is_known, unknown_name
-from nonsmooth.fitting.allowed import check_allowed
 from nonsmooth.fitting.beginning import sizes_of_states
 from nonsmooth.fitting.channels import (
     Range,
+    check_allowed,
     check_free,
     check_record_times,
     read_channels,

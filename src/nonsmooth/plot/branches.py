@@ -233,7 +233,7 @@ def draw_curve(curve: BranchCurve, ax: Axes, colour: str, number: int) -> None:
 def _explain(ax: Axes, colours: Mapping[str, str]) -> None:
     """Entries of the legend: kinds of orbits without a colour, and branches by colour."""
     known = ax.get_legend_handles_labels()[1]
-    drawn = {line.get_label() for line in ax.lines if _is_branch(line)}
+    drawn = {str(line.get_label()) for line in ax.lines if _is_branch(line)}
     # black may be the colour of a branch
     neutral = "0.5" if len(colours) > 1 else "black"
     named = [(name, style) for name, style in KIND_STYLES.values() if f"_{name}" in drawn]

@@ -148,8 +148,16 @@ def _draw(ax: Axes, over: Floats, parts: list[_Part], size: float, count: int) -
                 rasterized=count > _DENSE,
             )
     for part in parts if layers > 1 else ():  # large enough to tell colours apart
-        style = {"linestyle": "none", "marker": ".", "markeredgewidth": 0.0, "markersize": 6.0}
-        ax.plot([], [], color=part.colour, label=part.label, **style)
+        ax.plot(
+            [],
+            [],
+            linestyle="none",
+            marker=".",
+            markersize=6.0,
+            markeredgewidth=0.0,
+            color=part.colour,
+            label=part.label,
+        )
 
 
 class _Part(NamedTuple):

@@ -14,7 +14,7 @@ from nonsmooth.engine.lanes import Records
 from nonsmooth.engine.record import Floats, Rows, zeros
 from nonsmooth.engine.status import EventKind
 from nonsmooth.errors import OptionError
-from nonsmooth.runs.store import free_memory, size_text
+from nonsmooth.runs.memory import free_memory, size_text
 
 __all__ = ["FIRST_CAPACITY", "EventLog", "LentRoom", "lent_room"]
 

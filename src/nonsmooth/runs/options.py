@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.real_numbers import finite_numbers, finite_real, whole_number
+from nonsmooth.runs.memory import free_memory, size_text
 from nonsmooth.system.system import System
 
 __all__ = [
@@ -66,8 +67,6 @@ def time_grid(value: Any) -> npt.NDArray[np.float64]:
 
 def check_count(count: float, sample_bytes: int = 0) -> int:
     """Number of samples, refused where it would fill the memory."""
-    from nonsmooth.runs.store import free_memory, size_text
-
     if count > _MOST_SAMPLES:
         raise OptionError(
             f"{count:.3g} samples are asked for, at most {_MOST_SAMPLES:g} in one run; lower"

@@ -39,18 +39,17 @@ import numpy.typing as npt
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.files import replacing
 from nonsmooth.runs.crew import run_tasks
+from nonsmooth.runs.memory import size_text
 from nonsmooth.version import __version__
 
 __all__ = [
     "Damaged",
     "Store",
     "check_store",
-    "free_memory",
     "lock",
     "read_arrays",
     "reserve",
     "run_stored_tasks",
-    "size_text",
     "trouble",
     "unlock",
     "write_arrays",
@@ -70,7 +69,6 @@ _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _MOST_NAMED = 5  # damaged files in a message
 _FAR = 1 << 30  # byte that Windows locks: others can still read the number at the beginning
 _CANNOT = (errno.EINVAL, errno.ENOSYS, errno.EOPNOTSUPP)  # file systems that do not reserve
-_UNKNOWN = 4 * 2**30  # bytes, where the system does not tell
 
 
 class Damaged(Exception):
@@ -456,20 +454,6 @@ else:
         return True
 
 
-def free_memory() -> int:
-    """Bytes of memory that could be used without harm to others."""
-    try:
-        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
-            if line.startswith("MemAvailable:"):
-                return int(line.split()[1]) * 1024
-    except (OSError, ValueError, IndexError):
-        pass  # not Linux
-    try:
-        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
-    except (AttributeError, ValueError, OSError):
-        return _UNKNOWN
-
-
 def reserve(path: Path, size: int) -> None:
     """Take room on disk for a file that is written next; `OSError` where there is not enough.
 
@@ -486,12 +470,3 @@ def reserve(path: Path, size: int) -> None:
             except OSError as fault:
                 if fault.errno not in _CANNOT:
                     raise
-
-
-def size_text(size: float) -> str:
-    """A number of bytes for people."""
-    for unit in ("bytes", "kB", "MB", "GB"):
-        if size < 999.5:
-            return f"{size:.3g} {unit}"
-        size /= 1000.0
-    return f"{size:.3g} TB"

@@ -18,7 +18,8 @@ from nonsmooth.analysis.ensembles.ensemble_dataset import Frame, dataset_in_file
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import run_tasks
-from nonsmooth.runs.store import Store, free_memory, size_text
+from nonsmooth.runs.memory import free_memory, size_text
+from nonsmooth.runs.store import Store
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -134,7 +134,8 @@ def _cells(system: EvaluatedSystem, mode: str, cells: Sequence[ModeForms]) -> It
 
 def _unused_names(found: SplitMode) -> str:
     """Why cells are called by signs although sides of a surface have names; empty else."""
-    named, others = [], []
+    named: list[str] = []
+    others: list[str] = []
     for key, name in found.names.items():
         declared = found.declared.get(key)
         has = declared is not None and any(declared.label(sign) for sign in (-1, 0, 1))
