@@ -177,6 +177,8 @@ def test_the_law_of_guinea_scales_the_closed_stiffness():
         run = ns.simulate(system, {"u": 0.7}, times=[0.0, 0.01])
         assert float(run["load"][0]) == pytest.approx(float(0.7 * 2 * 14.327 * ratio), rel=1e-13)
     assert 0.2 < ratio < 0.5
+    with pytest.raises(ns.ModelError, match="the crack would be through"):
+        ns.models.breathing_crack(law="guinea", growth="20.5", grows="flow")
 
 
 def test_a_crack_that_is_through_ends_the_run():

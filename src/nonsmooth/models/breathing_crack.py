@@ -240,10 +240,14 @@ def _system(
         definitions = {"length": growth, **definitions}
         require = {text: why for text, why in require.items() if "crack" not in text}
         more["outputs"] = {"crack": "length"}
-        exits = [
-            Exit(f"{_WIDTH} - length", to="stop", name="broken"),
-            Exit(f"length - {least}", to="stop", name="shrunk"),
-        ]
+        if "t" in name_set(parse(growth, where="growth")):
+            exits = [
+                Exit(f"{_WIDTH} - length", to="stop", name="broken"),
+                Exit(f"length - {least}", to="stop", name="shrunk"),
+            ]
+        else:  # a length that stays is no end of a run
+            require[f"({growth}) < {_WIDTH}"] = "the crack would be through"
+            require[f"({growth}) > {least}"] = "the law of the stiffness begins there"
     outputs = {
         "load": "kappa*u",
         "acceleration": "rate(v)",
