@@ -11,7 +11,7 @@ from scipy.linalg import lapack
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError
 
-__all__ = ["Solution", "null_vector", "row_scale", "scale_of", "size_of", "solve_orbit"]
+__all__ = ["AT_ZERO", "Solution", "null_vector", "row_scale", "scale_of", "size_of", "solve_orbit"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -23,7 +23,7 @@ _ROUNDING = 1e-14  # residual that no step makes smaller
 _CLOSED = 1e-10  # residual, beside the states, of a solution
 _FURTHER = 4  # steps of an orbit that is found already
 _BACKWARDS = 0.05  # part of the turn by which a leg may last less than nothing on the way
-_ZERO = 1e-15  # states below which an orbit is one at rest at zero
+AT_ZERO = 1e-12  # states below which an orbit is one at rest at zero, and has no size of its own
 _SINGULAR = 1e-15  # reciprocal condition of the scaled Jacobian
 
 
@@ -112,8 +112,9 @@ def scale_of(equations: OrbitEquations, unknowns: Floats) -> Floats:
     states = turn.states - np.where(equations.drifting, turn.states[0], 0.0)
     size = np.abs(states).max(axis=0)
     largest = float(size.max())
-    # an orbit at rest at zero has no size of its own
-    size = np.where(size > max(1e-6 * largest, _ZERO), size, largest if largest > _ZERO else 1.0)
+    size = (
+        np.where(size > 1e-6 * largest, size, largest) if largest > AT_ZERO else np.ones(len(size))
+    )
     length = abs(float(turn.instants[-1] - turn.instants[0]))
     return np.concatenate(
         [np.tile(size, len(equations.word)), np.full(equations.n_instants, length)]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from nonsmooth.periodic_orbits.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
-from nonsmooth.periodic_orbits.newton import Solution
+from nonsmooth.periodic_orbits.newton import AT_ZERO, Solution
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.system.system import System
@@ -119,7 +119,9 @@ def primitive_parts(equations: OrbitEquations, turn: Turn) -> int:
     drifts = equations.drifting
     states = np.where(drifts, 0.0, turn.states)
     size = np.abs(states).max(axis=0)
-    size = np.maximum(size, 1e-6 * size.max(initial=1e-300))  # a state that is zero at all events
+    largest = float(size.max(initial=0.0))
+    # a state that is zero at all events, or all of them
+    size = np.maximum(size, 1e-6 * largest if largest > AT_ZERO else 1.0)
     length = float(turn.instants[-1] - turn.instants[0])
     first = 0 if word.closes_at_event else 1  # the leg at the section is cut by it
     for part in parts:
