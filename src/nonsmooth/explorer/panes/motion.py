@@ -104,7 +104,7 @@ class PortraitPane:
 
     def __init__(self) -> None:
         self.plot = new_figure("portrait", boxes=False)
-        self.plot.xaxis.ticker.desired_num_ticks = 4  # the pane is narrow
+        self.plot.xaxis.ticker.desired_num_ticks = 3  # the pane is narrow
         self.lines = _new_lines(self.plot)
         self.orbit = ColumnDataSource({"x": [], "y": []})
         self.orbit_line = self.plot.line(
