@@ -133,7 +133,17 @@ def _judged(
     home = None if node is origin else _home(segment, origin)
     if home:
         marks = [mark for mark in marks if mark.x < home.x] + [home]
+    if options.accept is not None and not options.accept(_points_of(observer, node, marks, end)):
+        raise Jump("the step is not accepted")
     return _Attempt(end, marks, next_step(step, work, options.largest))
+
+
+def _points_of(observer: Observer, node: Node, marks: list[Mark], end: Node) -> list[Point]:
+    """The points of a step in order, from its start to where the branch or the step ends."""
+    places = [(node, ""), *((mark.node, mark.name) for mark in marks)]
+    if not any(mark.last or mark.node is end for mark in marks):
+        places.append((end, ""))
+    return [observer.point(each, each.step, name) for each, name in places]
 
 
 def _home(segment: CurveSegment, origin: Node) -> Mark | None:

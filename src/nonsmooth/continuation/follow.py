@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,7 @@ def follow(
     scale: Any = None,
     parameter_scale: float | None = None,
     max_newton: int = 8,
+    accept: Callable[[Sequence[Point]], bool] | None = None,
 ) -> Branch:
     """Follow the solutions of ``residual(u, p) = 0`` from one of them, through folds.
 
@@ -78,6 +79,9 @@ def follow(
         The same for p: the width of the bounds if there are two, else its start, and at least 1.
     max_newton : int, optional
         Newton steps after which a step is halved.
+    accept : callable, optional
+        ``accept(points)`` is given the points of each step in order, with its start and its special
+        points, before the step is taken. Where it returns False, the step is halved.
 
     Returns
     -------
@@ -121,7 +125,8 @@ def follow(
         raise OptionError(f"residual = {residual!r:.60} is no function; give residual(u, p)")
     unknowns, parameter = start_of(u, p)
     options = checked_options(
-        parameter, step, smallest_step, largest_step, bounds, steps, tests, tolerance, max_newton
+        parameter, step, smallest_step, largest_step, bounds, steps, tests, tolerance, max_newton,
+        accept,
     )
     sizes = sizes_of(unknowns, parameter, scale, parameter_scale, options.bounds)
     return begin(residual, unknowns, parameter, direction, sizes, options)

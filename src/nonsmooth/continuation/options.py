@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Integral
 from typing import Any
@@ -42,11 +42,13 @@ class Options:
     unknown_bounds: tuple[float, float] = (-math.inf, math.inf)  # of the last unknown
     # slope of the last unknown by the arclength that is none: a fold that has it is a cusp
     cusps: float = 0.0
+    # asked whether a step is taken, by its points in order
+    accept: Callable[[Sequence[Any]], bool] | None = None
 
 
 def checked_options(
     p: float, step: Any, smallest_step: Any, largest_step: Any, bounds: Any, steps: Any,
-    tests: Any, tolerance: Any, max_newton: Any,
+    tests: Any, tolerance: Any, max_newton: Any, accept: Any = None,
 ) -> Options:  # fmt: skip
     """Options, or an `OptionError` that names the one that cannot be right."""
     lengths = {"smallest_step": smallest_step, "step": step, "largest_step": largest_step}
@@ -61,12 +63,17 @@ def checked_options(
             f"tests = {tests!r:.60} is no function; give tests(point) that returns a mapping of"
             " names to numbers, such as lambda point: {'zero': point.u[0]}"
         )
+    if accept is not None and not callable(accept):
+        raise OptionError(
+            f"accept = {accept!r:.60} is no function; give accept(points) that returns whether the"
+            " step through these points is taken"
+        )
     goal = _positive("tolerance", tolerance)
     if not 1e-15 <= goal <= 1e-3:
         raise OptionError(f"tolerance = {goal:g}: from 1e-15 to 1e-3, relative to the unknowns")
     return Options(
         first, smallest, largest, checked_bounds(p, bounds), _count("steps", steps, 0), tests, goal,
-        _count("max_newton", max_newton, 2),
+        _count("max_newton", max_newton, 2), accept=accept,
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from nonsmooth.periodic_orbits.stretch import BranchStretch
 from nonsmooth.periodic_orbits.symmetric import is_antisymmetric
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["BranchPart", "Followed", "ending_of_orbits", "kind_of", "part_of"]
+__all__ = ["BranchPart", "Followed", "ending_of_orbits", "is_critical", "kind_of", "part_of"]
 
 
 _OF_EQUATIONS = ("residual", "derivative", "test ", "matrix")  # reasons that tell of no orbit
@@ -88,7 +88,7 @@ def part_of(
     stretch: BranchStretch, looked: Looked, point: Point, along: float, special: str, detail: str
 ) -> BranchPart:
     """A point with what happens there; what its test has called critical is looked at again."""
-    if special in _OF_MULTIPLIERS and not _is_critical(looked, special):
+    if special in _OF_MULTIPLIERS and not is_critical(looked, special):
         # a pole of the test, two real multipliers whose product is one, a graze next to it
         special = ""
     if special == "branch_point" and is_antisymmetric(
@@ -100,7 +100,7 @@ def part_of(
     return BranchPart(stretch.equations.word, looked, point.p, along, special, detail, test, way)
 
 
-def _is_critical(looked: Looked, kind: str) -> bool:
+def is_critical(looked: Looked, kind: str) -> bool:
     """Whether a multiplier is at 1 or -1, or a pair of them on the unit circle."""
     values = looked.multipliers.multipliers
     if not values.size or not np.all(np.isfinite(values)):

@@ -26,6 +26,7 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.orbit import primitive_parts
+from nonsmooth.periodic_orbits.step_check import StepCheck
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch
 
 __all__ = ["follow_orbits"]
@@ -53,6 +54,7 @@ class _StretchWalk:
         self.stretch, self.start = stretch, start
         self.begin, self.along, self.first_scale = begin, begin, first_scale
         self.done = 0
+        self.check = StepCheck(stretch, start, behind_change=begin > 0.0)
         self.following: BranchStart | None = None
         self.ended: Followed | None = None
         self._before: Mapping[str, float] = {}  # tests of the last point that was a motion
@@ -63,7 +65,7 @@ class _StretchWalk:
         """Points that count, in order."""
         name = self.stretch.options.parameter
         try:
-            branch = self.stretch.branch(self.start, steps)
+            branch = self.stretch.branch(self.start, steps, self.check)
         except RunError as fault:
             if self.begin == 0.0:  # the first orbit of all
                 raise

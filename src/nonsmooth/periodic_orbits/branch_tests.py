@@ -51,6 +51,7 @@ _SHORT = 1e-5
 # likewise of an excursion from a surface on which motion slides: it leaves and comes back with the
 # square of its duration as rate, so an instant is known to rounding over that
 _SHORT_OF_SLIDE = 1e-3
+_REMEMBERED = 100  # orbits: those of a step, with the trials for its special points
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
 _OF_GUARDS = ("graze", "corner", "gain")  # what is a guard, and not a rate or a duration
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
@@ -195,7 +196,7 @@ def _passed(wiring: Wiring, mode: int, path: tuple[int, ...]) -> Iterator[tuple[
 
 
 class BranchTests:
-    """Looks at the orbits of one word; the last one is remembered."""
+    """Looks at the orbits of one word; the last ones are remembered."""
 
     def __init__(
         self, equations: OrbitEquations, tolerance: float, *, whole: bool = True, grows: str = ""
@@ -215,14 +216,14 @@ class BranchTests:
             crosses(wiring, families, word.modes[k], path) for k, path in enumerate(word.paths)
         ]
         self._entries = _EntryGuards(equations)
-        self._last: tuple[bytes, Looked] | None = None
+        self._seen: dict[bytes, Looked] = {}
 
     def look(self, unknowns: Floats) -> Looked:
         """The orbit of these unknowns, for the parameter values that the legs have."""
         equations, legs = self.equations, self.equations.legs
         key = unknowns.tobytes() + legs.values.tobytes()
-        if self._last is not None and self._last[0] == key:
-            return self._last[1]
+        if key in self._seen:
+            return self._seen[key]
         turn = equations.unpack(unknowns)
         entered = self._entries.values(turn)
         found = legs.follow(equations.word, turn.states, turn.instants)
@@ -252,7 +253,9 @@ class BranchTests:
             turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests,
             other, reflection(equations, turn),
         )  # fmt: skip
-        self._last = key, looked
+        if len(self._seen) >= _REMEMBERED:
+            del self._seen[next(iter(self._seen))]
+        self._seen[key] = looked
         return looked
 
     def _of_word(
@@ -369,8 +372,9 @@ def _of_multipliers(multipliers: Floquet) -> dict[str, float]:
     values = multipliers.multipliers
     if not np.all(np.isfinite(values)):
         return {}
-    tests = {"flip": float(np.prod(values + 1.0).real)}
+    poles = multipliers.poles
+    tests = {"flip": float(np.prod(values + 1.0).real) * poles.determinant}
     if values.size > 1:
         i, j = np.triu_indices(values.size, 1)
-        tests["torus"] = float(np.prod(values[i] * values[j] - 1.0).real)
+        tests["torus"] = float(np.prod(values[i] * values[j] - 1.0).real) * poles.pairs
     return tests

@@ -16,13 +16,15 @@ from nonsmooth.engine.orbits import LegResults, multiply_graded
 from nonsmooth.engine.tables import members
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 
-__all__ = ["Floquet", "floquet", "leg_factors"]
+__all__ = ["UNBOUNDED", "Floquet", "Poles", "floquet", "leg_factors"]
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
 
+UNBOUNDED = 1e8  # a multiplier that is larger at a graze only tells how nearly it was located
 _TURNS = 20  # of the frame before the product is formed
 _SPLIT = 1e-13  # part of a direction that couples blocks: rounding of orthogonal matrices
+_KICK = 1e-9  # change of the flow at an event, beside the flow, below which there is none
 _RANK = 1e-13  # part of an event's matrix below which a direction is wiped out
 
 
@@ -32,6 +34,18 @@ class Floquet(NamedTuple):
     multipliers: Complexes  # largest modulus first, drifts and the motion along itself left out
     along: complex  # the multiplier of the motion along itself, which is one; nan of a driven orbit
     log_determinant: float  # of the tangent without drifts: -inf where a direction is wiped out
+    poles: Poles
+
+
+class Poles(NamedTuple):
+    """Factors without which multipliers have poles, where an event that kicks is passed slowly.
+
+    The event's matrix has a term of rank one over the rate of its guard, as at the graze of a rigid
+    wall. So determinants of the tangent have a simple pole there, and change their sign.
+    """
+
+    determinant: float  # product over the events of their rates, each over its kick, 1 at most
+    pairs: float  # the same for the product over all pairs of multipliers
 
 
 class Factors(NamedTuple):
@@ -39,6 +53,7 @@ class Factors(NamedTuple):
 
     flow: Floats  # (L, n, n)
     events: Floats  # (L, n, n)
+    shares: Floats  # (L,) rate of the guard at each event over its size together with the kick
 
 
 def leg_factors(equations: OrbitEquations, found: LegResults) -> Factors:
@@ -53,7 +68,13 @@ def leg_factors(equations: OrbitEquations, found: LegResults) -> Factors:
     at_event = np.array([bool(path) for path in equations.word.paths])
     moved = jumps[:, :, None] * np.where(at_event[:, None], shifts, 0.0)[:, None, :]
     events = events + np.where(at_event[:, None, None], moved, 0.0)
-    return Factors(flow[:, stays][:, :, stays], events[:, stays][:, :, stays])
+    kicks = np.linalg.norm(jumps, axis=1) * np.linalg.norm(found.guard_row[:, :n], axis=1)
+    sizes = np.linalg.norm(found.end_rates, axis=1) * np.linalg.norm(found.guard_row[:, :n], axis=1)
+    # an event without a kick, as at a soft stop, has no pole whatever rounding leaves of it
+    kicking = at_event & (kicks > _KICK * sizes)
+    rates = -found.guard_rate
+    shares = np.where(kicking, rates / np.hypot(rates, np.where(kicking, kicks, 1.0)), 1.0)
+    return Factors(flow[:, stays][:, :, stays], events[:, stays][:, :, stays], shares)
 
 
 def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
@@ -67,7 +88,8 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
     events = np.where(ends[:, :, None], factors.events, 0.0)
     n = free.shape[1]
     if not np.all(np.isfinite(events)):
-        return Floquet(np.full(n - equations.autonomous, np.nan, complex), np.nan, np.nan)
+        unknown = np.full(n - equations.autonomous, np.nan, complex)
+        return Floquet(unknown, np.nan, np.nan, Poles(np.nan, np.nan))
     # begin where the fewest states are free, the others being given by them
     first = int(np.argmin(free.sum(axis=1)))
     rank = int(_ranks(events).min(initial=n))
@@ -82,7 +104,25 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
         neutral = int(np.argmin(np.abs(values - 1.0)))
         along = complex(values[neutral])
         values = np.delete(values, neutral)
-    return Floquet(values, along, _log_determinant(factors, free, rank))
+    poles = _poles(equations, factors.shares, len(values))
+    return Floquet(values, along, _log_determinant(factors, free, rank), poles)
+
+
+def _poles(equations: OrbitEquations, shares: Floats, count: int) -> Poles:
+    """The factors for all events.
+
+    Of n multipliers n - 1 pairs have the one with the pole; at an impact, whose determinant stays
+    finite, another one vanishes with it.
+    """
+    wiring, word = equations.legs.tables.wiring, equations.word
+    resets = np.array(
+        [
+            bool(path) and wiring.resets(mode, path[0])
+            for mode, path in zip(word.modes, word.paths, strict=True)
+        ]
+    )
+    powers = np.maximum(count - 1 - resets, 0)
+    return Poles(float(np.prod(shares)), float(np.prod(shares**powers)))
 
 
 def _free_states(equations: OrbitEquations) -> npt.NDArray[np.bool_]:

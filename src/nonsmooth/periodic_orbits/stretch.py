@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -133,8 +133,10 @@ class BranchStretch:
         smooth = self.equations.is_smooth_cycle
         return smooth and size_of_cycle(self.equations, unknowns) <= _NOTHING * size
 
-    def branch(self, start: BranchStart, steps: int) -> Branch:
-        """The branch from a start."""
+    def branch(
+        self, start: BranchStart, steps: int, accept: Callable[[Sequence[Point]], bool]
+    ) -> Branch:
+        """The branch from a start, of steps that are accepted."""
         low, high = self.options.bounds
         self.set_parameter(start.value)
         self.scale = self._scale_of(start.unknowns)
@@ -142,8 +144,7 @@ class BranchStretch:
             self.residual, start.unknowns, start.value, direction=start.direction,
             step=self.options.step, smallest_step=self.options.smallest_step,
             largest_step=self.options.largest_step, bounds=self.options.bounds, steps=steps,
-            tests=self.asked, scale=self.scale,
-            parameter_scale=high - low,
+            tests=self.asked, scale=self.scale, parameter_scale=high - low, accept=accept,
         )  # fmt: skip
 
 

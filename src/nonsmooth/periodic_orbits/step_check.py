@@ -1,0 +1,128 @@
+"""Whether the points of a step of a branch of orbits agree with one another.
+
+A search for changes of sign misses two of them within one step, and one of a number that begins to
+exist within it. What it has found is therefore checked: every orbit has to be a motion up to the
+change of the word, and multipliers may leave the unit circle, and the parameter may turn back, only
+as the special points say. A step that does not agree is halved until it does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from nonsmooth.continuation.point import Point
+from nonsmooth.periodic_orbits.branch_part import is_critical
+from nonsmooth.periodic_orbits.branch_tests import Looked, is_of_word
+from nonsmooth.periodic_orbits.legs import LegError
+from nonsmooth.periodic_orbits.multipliers import UNBOUNDED, Floquet
+from nonsmooth.periodic_orbits.stretch import BranchStart, BranchStretch
+
+__all__ = ["StepCheck", "Unexplained"]
+
+_SHORTEST = 1e-6  # arclength of a step that is taken as it is
+_FIRST = 0.1  # the same as part of the first step, until an orbit behind a change is a motion
+_NEAR = 1e-6  # distance from the unit circle within which a multiplier is on neither side
+_FOLDS = ("fold", "branch_point")
+
+
+class Unexplained(NamedTuple):
+    """A step over which multipliers change as no special point says, between two values."""
+
+    first: float
+    last: float
+
+
+class StepCheck:
+    """Asked by the continuation whether it takes a step of a stretch."""
+
+    def __init__(self, stretch: BranchStretch, start: BranchStart, *, behind_change: bool) -> None:
+        self.unexplained: list[Unexplained] = []
+        self._stretch, self._start = stretch, start
+        self._new = behind_change  # no orbit has been a motion yet
+
+    def __call__(self, points: Sequence[Point]) -> bool:
+        """Whether the step is taken."""
+        try:
+            looked = [self._stretch.look(point) for point in points]
+        except LegError:
+            return True  # such points are left out
+        length = points[-1].arclength - points[0].arclength
+        end = _change_of_word(points, looked)
+        least = max(_SHORTEST, 2.0 * self._stretch.options.smallest_step)
+        if not self._stand(points, looked, end):
+            return length <= (_FIRST * self._stretch.options.step if self._new else least)
+        self._new = False
+        if not is_explained(points[: end + 1], looked[: end + 1]):
+            if length > least:
+                return False
+            self.unexplained.append(Unexplained(points[0].p, points[end].p))
+        return True
+
+    def _stand(self, points: Sequence[Point], looked: Sequence[Looked], end: int) -> bool:
+        """Whether the orbits are motions up to the change of the word, or to the end."""
+        if self._stretch.options.inadmissible:
+            return True
+        return all(
+            each.admissibility.admissible or self._is_before(each)
+            for each, point in zip(looked[1 : end + 1], points[1 : end + 1], strict=True)
+            if point.special != "motion"
+        )
+
+    def _is_before(self, looked: Looked) -> bool:
+        """Whether an orbit lies on the other side of the graze behind which the stretch begins."""
+        return self._start.located and looked.tests.get(self._start.grows, 1.0) <= 0.0
+
+
+def _change_of_word(points: Sequence[Point], looked: Sequence[Looked]) -> int:
+    """Number of the point at which the word changes, or of the last one."""
+    for k, point in enumerate(points):
+        name = point.special
+        if k and is_of_word(name) and looked[0].tests.get(name, 1.0) >= 0.0:
+            return k
+    return len(points) - 1
+
+
+def is_explained(points: Sequence[Point], looked: Sequence[Looked]) -> bool:
+    """Whether the multipliers at both ends differ as the special points in between say."""
+    first, last = looked[0].multipliers, looked[-1].multipliers
+    inner = list(zip(points[1:], looked[1:], strict=True))
+    count = {
+        kind: sum(p.special == kind and is_critical(each, kind) for p, each in inner)
+        for kind in (*_FOLDS, "flip", "torus")
+    }
+    turns = sum(point.special == "fold" for point in points[1:])
+    slopes = points[0].tangent_p * points[-1].tangent_p
+    at_fold = "fold" in (points[0].special, points[-1].special)
+    if slopes != 0.0 and not at_fold and (slopes < 0.0) != (turns % 2 == 1):
+        return False
+    for critical, kinds in ((1.0, _FOLDS), (-1.0, ("flip",))):
+        sides = _side(first, critical) * _side(last, critical)
+        passed = sum(count[kind] for kind in kinds)
+        if sides != 0.0 and (sides < 0.0) != (passed % 2 == 1):
+            return False
+    before, after = _outside(first), _outside(last)
+    if before is None or after is None:
+        return True
+    return abs(after - before) <= sum(count.values()) + count["torus"]
+
+
+def _side(multipliers: Floquet, critical: float) -> float:
+    """Sign of the determinant that vanishes with a multiplier of that value; 0 if it is at it."""
+    values = multipliers.multipliers
+    apart = values - critical
+    if not values.size or not np.all(np.isfinite(values)) or np.abs(apart).min() <= _NEAR:
+        return 0.0
+    # of directions: the product of many large numbers may overflow
+    product = float(np.prod(apart / np.abs(apart)).real)
+    return float(np.sign(product) * np.sign(multipliers.poles.determinant))
+
+
+def _outside(multipliers: Floquet) -> int | None:
+    """Multipliers outside the unit circle; None where one is on it, or has no bound."""
+    sizes = np.abs(multipliers.multipliers)
+    if not np.all(sizes <= UNBOUNDED) or np.any(np.abs(sizes - 1.0) <= _NEAR):
+        return None
+    return int(np.count_nonzero(sizes > 1.0))
