@@ -217,6 +217,8 @@ class BranchTests:
         ]
         self._entries = _EntryGuards(equations)
         self._seen: dict[bytes, Looked] = {}
+        # legs in which the engine has found an event that the search for minima has missed
+        self.closely: set[int] = set()
 
     def look(self, unknowns: Floats) -> Looked:
         """The orbit of these unknowns, for the parameter values that the legs have."""
@@ -225,14 +227,14 @@ class BranchTests:
         if key in self._seen:
             return self._seen[key]
         turn = equations.unpack(unknowns)
-        entered = self._entries.values(turn)
+        entered, lowest = self._entries.values(turn), self._lowest(turn)
         found = legs.follow(equations.word, turn.states, turn.instants)
         residual = equations.gap(turn, found)
         turn = Turn(found.starts.copy(), turn.instants)
         multipliers = floquet(equations, found)
         tests = _of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
-        kept, faded = self._of_word(turn, found, entered)
+        kept, faded = self._of_word(turn, found, entered, lowest)
         tests |= kept
         other = None
         if self.whole:
@@ -244,6 +246,10 @@ class BranchTests:
                 admissibility = Admissibility(False, f"beyond {least}")
             elif all(kept[name] > _AT_CHANGE for name in kept.keys() & told - faded):
                 admissibility = check_admissible(equations, turn, self.tolerance)
+                if admissibility.path and admissibility.leg not in self.closely:
+                    self.closely.add(admissibility.leg)
+                    self._seen.clear()
+                    return self.look(unknowns)
                 if not admissibility.admissible:
                     other = self._with_other_rebounds(turn)
                     admissibility = admissibility if other is None else Admissibility(True)
@@ -258,8 +264,18 @@ class BranchTests:
         self._seen[key] = looked
         return looked
 
+    def _lowest(self, turn: Turn) -> Floats:
+        """Lowest value of each guard within each leg; results that the legs hold are overwritten."""
+        word, legs = self.equations.word, self.equations.legs
+        lowest = legs.minima(word, turn.states, turn.instants).values
+        for k in self.closely:
+            begin, end = turn.instants[k : k + 2]
+            lowest[k] = legs.closer_minima(word.modes[k], turn.states[k], begin, end).values
+        return lowest
+
     def _of_word(
-        self, turn: Turn, found: LegResults, entered: dict[tuple[int, int], float]
+        self, turn: Turn, found: LegResults, entered: dict[tuple[int, int], float],
+        lowest: Floats,
     ) -> tuple[dict[str, float], set[str]]:
         """What keeps the word valid, positive where it is, from the results of its legs.
 
@@ -268,7 +284,6 @@ class BranchTests:
         equations, word = self.equations, self.equations.word
         length = float(turn.instants[-1] - turn.instants[0])
         tests: dict[str, float] = {}
-        lowest, _ = equations.legs.minima(word, turn.states, turn.instants)
         sizes = _guard_sizes(equations, turn, found, self._largest_so_far(turn))
         for k, path in enumerate(word.paths):
             for g in np.flatnonzero(np.isfinite(lowest[k])):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,13 +22,22 @@ from nonsmooth.engine.tables import allocate_tables, set_up
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.system.system import System
 
-__all__ = ["LegError", "Legs"]
+__all__ = ["LegError", "Legs", "Minima"]
 
 Floats = npt.NDArray[np.float64]
+
+_CLOSER = 14  # halvings of a leg towards its ends, where minima are looked for closely
 
 
 class LegError(ArithmeticError):
     """Legs that cannot be passed: a parameter, a relation or a series fails there."""
+
+
+class Minima(NamedTuple):
+    """Lowest interior minima of guards, nan where there is none."""
+
+    values: Floats
+    places: Floats  # time since the leg began
 
 
 class Legs:
@@ -105,7 +115,7 @@ class Legs:
             raise LegError(f"leg {passed} of the orbit cannot be passed")
         return results
 
-    def minima(self, word: Word, states: Floats, instants: Floats) -> tuple[Floats, Floats]:
+    def minima(self, word: Word, states: Floats, instants: Floats) -> Minima:
         """Lowest interior minimum of each guard in each leg, and the time since the leg began.
 
         shapes: both (L, e), nan where there is none
@@ -116,7 +126,26 @@ class Legs:
             self.tables, self.rates, self._segment, self._no_tangent,
             _legs_of(word, states, instants[:-1], instants[1:]), lowest, places,
         )  # fmt: skip
-        return lowest, places
+        return Minima(lowest, places)
+
+    def closer_minima(self, mode: int, state: Floats, begin: float, end: float) -> Minima:
+        """The same of one leg, looked for close to its ends too.
+
+        Behind a slow impact a guard rises and falls again before the search for minima has looked
+        twice. Pieces of the leg become shorter towards its ends, each with a search of its own.
+        """
+        part = 0.5 ** np.arange(_CLOSER, 0, -1)
+        cuts = begin + (end - begin) * np.concatenate([part, 1.0 - part[-2::-1]])
+        whole = Word((mode,) * len(cuts), ((),) * len(cuts))
+        states = np.tile(state, (len(cuts), 1))
+        there = self.follow_each(whole, states, np.full(len(cuts), begin), cuts).ends
+        pieces = Word((mode,) * (len(cuts) + 1), ((),) * (len(cuts) + 1))
+        instants = np.concatenate([[begin], cuts, [end]])
+        lowest, places = self.minima(pieces, np.vstack([state, there]), instants)
+        places = places + (instants[:-1] - begin)[:, None]
+        first = np.argmin(np.where(np.isnan(lowest), np.inf, lowest), axis=0)
+        columns = np.arange(lowest.shape[1])
+        return Minima(lowest[first, columns], places[first, columns])
 
     def _room(self, count: int) -> LegResults:
         if count not in self._results:

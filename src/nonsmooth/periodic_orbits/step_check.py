@@ -42,6 +42,7 @@ class StepCheck:
         self.unexplained: list[Unexplained] = []
         self._stretch, self._start = stretch, start
         self._new = behind_change  # no orbit has been a motion yet
+        self._closely = 0
 
     def __call__(self, points: Sequence[Point]) -> bool:
         """Whether the step is taken."""
@@ -51,6 +52,10 @@ class StepCheck:
             return True  # such points are left out
         length = points[-1].arclength - points[0].arclength
         end = _change_of_word(points, looked)
+        if len(self._stretch.tests.closely) > self._closely:
+            # numbers that were found before are told anew: they are looked for in a new step
+            self._closely = len(self._stretch.tests.closely)
+            return False
         least = max(_SHORTEST, 2.0 * self._stretch.options.smallest_step)
         if not self._stand(points, looked, end):
             return length <= (_FIRST * self._stretch.options.step if self._new else least)

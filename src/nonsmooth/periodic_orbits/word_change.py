@@ -346,8 +346,11 @@ def _with_event_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> 
 def _with_excursion(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
     """Guard g is touched within leg k: its exit is passed there, and the way back is found."""
     word, wiring, legs = equations.word, equations.legs.tables.wiring, equations.legs
-    _, places = legs.minima(word, turn.states, turn.instants)
-    instant = float(turn.instants[k] + places[k, g])
+    place = legs.minima(word, turn.states, turn.instants).places[k, g]
+    if not np.isfinite(place):
+        begin, end = turn.instants[k : k + 2]
+        place = legs.closer_minima(word.modes[k], turn.states[k], begin, end).places[g]
+    instant = float(turn.instants[k] + place)
     mode, target = word.modes[k], int(wiring.exits["target"][word.modes[k], g])
     if target < 0 or not np.isfinite(instant):
         return []
