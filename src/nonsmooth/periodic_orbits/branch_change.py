@@ -55,6 +55,7 @@ _TOUCHES = {
     "corner": "reaches {} just as it ends",
 }
 _MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
+_REGULAR = ("graze", "corner", "slide", "enter")  # smooth where a leg begins on the other side
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
 _SLOW = 1e-6  # speed of an impact, beside what the guard comes to in a turn
 _NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
@@ -266,8 +267,9 @@ def _by_change_of_word(
             return start, part_of(stretch, looked, point, along, "section", "")
         leg = vanishing_leg(stretch.equations, looked.turn, name)
         start.detail = _detail(stretch, leg, start, point)
-        touched = _touched(stretch, start) if hidden or what_of(name) == "short" else ""
-        if touched:  # the graze is located from the other side
+        loses_leg = change.opens < 0 and len(start.equations.word) < len(stretch.equations.word)
+        touched = _touched(stretch, start) if hidden or loses_leg else ""
+        if touched:  # the change is located from the other side, where no leg lasts no time
             before = before_graze(stretch, start, touched)
             if before is not None:
                 return before, None
@@ -305,7 +307,7 @@ def _hidden_graze(looked: Looked) -> str:
 
 
 def _touched(stretch: BranchStretch, start: BranchStart) -> str:
-    """Test of the graze behind which a stretch begins; "" where none has its zero there.
+    """Test of the change behind which a stretch begins; "" where none has its zero there.
 
     Of two guards that are touched together, and of one that is touched just at the section, only
     one or none has a lowest value within a leg.
@@ -313,8 +315,8 @@ def _touched(stretch: BranchStretch, start: BranchStart) -> str:
     stretch.set_parameter(start.value)
     tests = BranchTests(start.equations, stretch.options.tolerance, whole=False, grows=start.grows)
     found = tests.look(start.unknowns).tests
-    grazes = {name: value for name, value in found.items() if name.startswith("graze")}
-    if start.grows in grazes:
+    grazes = {name: value for name, value in found.items() if what_of(name) == "graze"}
+    if start.grows in found and what_of(start.grows) in _REGULAR:
         return start.grows
     least = min(grazes, key=lambda name: grazes[name], default="")
     return least if least and grazes[least] < 0.0 else ""

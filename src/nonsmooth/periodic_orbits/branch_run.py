@@ -60,6 +60,7 @@ class _StretchWalk:
         self._before: Mapping[str, float] = {}  # tests of the last point that was a motion
         self._direction = start.direction  # at the last point that is not special
         self._is_located = not start.located
+        self._grows = what_of(start.grows)
 
     def points(self, steps: int, report: Callable[[int], None]) -> Iterator[BranchPart]:
         """Points that count, in order."""
@@ -72,6 +73,7 @@ class _StretchWalk:
             message = ending_of_orbits("smallest_step", str(fault), name, self.start.value)
             self.ended = Followed("smallest_step", message)
             return
+        first: tuple[Point, Looked] | None = None
         for point in branch:
             self.along = self.begin + point.arclength
             report(self.done)
@@ -79,12 +81,17 @@ class _StretchWalk:
                 looked = self.stretch.look(point)
             except LegError:
                 continue
+            first = first or (point, looked)
             if self._is_again(point, looked):
                 if self._locates(point):
                     # a graze that was approached along an excursion, from its regular side
                     self._is_located = True
                     yield self._part(looked, point, self.start.kind, self.start.detail)
                 continue
+            if not self._is_located and first is not None:
+                # the start is the change itself, to rounding: no sign has changed behind it
+                self._is_located = True
+                yield self._part(first[1], first[0], self.start.kind, self.start.detail)
             yield from self._counted(point, looked)
             if self.following is not None or self.ended is not None:
                 return
@@ -110,7 +117,7 @@ class _StretchWalk:
 
     def _locates(self, point: Point) -> bool:
         """Whether a point is the graze on whose other side the stretch begins."""
-        return not self._is_located and what_of(point.special) == "graze"
+        return not self._is_located and what_of(point.special) in ("graze", self._grows)
 
     def _counted(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
         """A point of the branch, and where that leads."""

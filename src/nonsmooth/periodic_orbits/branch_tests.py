@@ -3,7 +3,7 @@
 Each is a number without unit whose sign changes where something happens. Names tell what:
 ``flip`` and ``torus`` for multipliers; ``graze:k:g``, guard g comes down to zero within leg k;
 ``corner:k:g``, it is zero at the end of leg k, where another guard is; ``short:k``, leg k is about
-to vanish in a graze; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of leg k is passed
+to vanish in a graze, or together with the next one at a corner; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of leg k is passed
 without a rate; ``gain:k:j``, exit j of a path is no longer passed at once; ``slide:k``, both sides
 of the surface at the end of leg k point at it; ``enter:k:g``, guard g of the cell on a surface
 that leg k ends at lets motion off it at once; ``shrink``, a cycle without events touches the
@@ -13,7 +13,6 @@ although none of these has changed its sign.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -24,6 +23,7 @@ from nonsmooth.engine.orbits import LegResults
 from nonsmooth.engine.tables import DERIVATIVES, Wiring
 from nonsmooth.periodic_orbits.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.excursions import is_graze, path_at_corner
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
 from nonsmooth.periodic_orbits.newton import solve_orbit
@@ -32,7 +32,7 @@ from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["BranchTests", "Looked", "is_graze", "is_of_word", "largest_along", "what_of"]
+__all__ = ["BranchTests", "Looked", "is_of_word", "largest_along", "what_of"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -164,35 +164,11 @@ class Looked:
     reflection: Reflection | None = None  # under the declared symmetry
 
 
-def is_graze(word: Word, wiring: Wiring, k: int) -> bool:
-    """Whether leg k is an excursion out of a mode and back into it, that nothing remains of.
-
-    The first leg of a driven orbit is one together with the last, which the section cuts off.
-    """
-    last = k - 2 if k == 0 and not word.closes_at_event and len(word) > 2 else k - 1
-    if len(word) < 2 or not word.paths[k] or not word.paths[last % len(word)]:
-        return False
-    before, path = word.modes[last % len(word)], word.paths[last % len(word)]
-    resetting, slaved = wiring.exits["resetting"]["words"], wiring.modes["slaved"]["words"]
-    resets = any(
-        (resetting[m, e] & ~slaved[m]).any()
-        for m, e in _passed(wiring, before, path + word.paths[k])
-    )
-    return not resets and word.last_target(wiring, k) == before
-
-
 def _shortest(wiring: Wiring, mode: int, k: int, word: Word) -> float:
     """Part of the turn below which leg k counts as an excursion that is about to vanish."""
     last = k - 2 if k == 0 and not word.closes_at_event and len(word) > 2 else k - 1
     kind = kind_of_excursion(wiring, word.modes[last % len(word)], mode)
     return _SHORT_OF_SLIDE if kind == "adding_sliding" else _SHORT
-
-
-def _passed(wiring: Wiring, mode: int, path: tuple[int, ...]) -> Iterator[tuple[int, int]]:
-    """Modes and the exits passed in them."""
-    for e in path:
-        yield mode, e
-        mode = int(wiring.exits["target"][mode, e])
 
 
 class BranchTests:
@@ -210,6 +186,7 @@ class BranchTests:
         word, wiring = equations.word, equations.legs.tables.wiring
         self._wiring = wiring
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
+        self._corners = [path_at_corner(word, wiring, k) is not None for k in range(len(word))]
         self._short = [_shortest(wiring, mode, k, word) for k, mode in enumerate(word.modes)]
         families = equations.legs.tables.families
         self._surface = [  # legs that end at a surface which is crossed without a reset
@@ -295,6 +272,9 @@ class BranchTests:
             if self._grazing[k]:
                 whole = duration + (float(turn.durations[-1]) if cut else 0.0)
                 tests[f"short:{k}"] = whole / length - self._short[k]
+            if self._corners[k]:
+                both = float(turn.durations[k : k + 2].sum())
+                tests[f"short:{k}"] = both / length - self._short[k]
             if cut or not self._grazing[k]:
                 tests[f"leg:{k}"] = duration / length
             size = float(sizes.value[k, e])

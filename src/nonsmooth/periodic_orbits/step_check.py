@@ -25,6 +25,7 @@ __all__ = ["StepCheck", "Unexplained"]
 _SHORTEST = 1e-6  # arclength of a step that is taken as it is
 _FIRST = 0.1  # the same as part of the first step, until an orbit behind a change is a motion
 _NEAR = 1e-6  # distance from the unit circle within which a multiplier is on neither side
+_NEAR_AT_START = 1e-3  # the same where the branch begins, perhaps at a special point
 _FOLDS = ("fold", "branch_point")
 
 
@@ -93,6 +94,7 @@ def _change_of_word(points: Sequence[Point], looked: Sequence[Looked]) -> int:
 def is_explained(points: Sequence[Point], looked: Sequence[Looked]) -> bool:
     """Whether the multipliers at both ends differ as the special points in between say."""
     first, last = looked[0].multipliers, looked[-1].multipliers
+    near = _NEAR if points[0].arclength > 0.0 else _NEAR_AT_START
     inner = list(zip(points[1:], looked[1:], strict=True))
     count = {
         kind: sum(p.special == kind and is_critical(each, kind) for p, each in inner)
@@ -104,30 +106,30 @@ def is_explained(points: Sequence[Point], looked: Sequence[Looked]) -> bool:
     if slopes != 0.0 and not at_fold and (slopes < 0.0) != (turns % 2 == 1):
         return False
     for critical, kinds in ((1.0, _FOLDS), (-1.0, ("flip",))):
-        sides = _side(first, critical) * _side(last, critical)
+        sides = _side(first, critical, near) * _side(last, critical, _NEAR)
         passed = sum(count[kind] for kind in kinds)
         if sides != 0.0 and (sides < 0.0) != (passed % 2 == 1):
             return False
-    before, after = _outside(first), _outside(last)
+    before, after = _outside(first, near), _outside(last, _NEAR)
     if before is None or after is None:
         return True
     return abs(after - before) <= sum(count.values()) + count["torus"]
 
 
-def _side(multipliers: Floquet, critical: float) -> float:
+def _side(multipliers: Floquet, critical: float, near: float) -> float:
     """Sign of the determinant that vanishes with a multiplier of that value; 0 if it is at it."""
     values = multipliers.multipliers
     apart = values - critical
-    if not values.size or not np.all(np.isfinite(values)) or np.abs(apart).min() <= _NEAR:
+    if not values.size or not np.all(np.isfinite(values)) or np.abs(apart).min() <= near:
         return 0.0
     # of directions: the product of many large numbers may overflow
     product = float(np.prod(apart / np.abs(apart)).real)
     return float(np.sign(product) * np.sign(multipliers.poles.determinant))
 
 
-def _outside(multipliers: Floquet) -> int | None:
+def _outside(multipliers: Floquet, near: float) -> int | None:
     """Multipliers outside the unit circle; None where one is on it, or has no bound."""
     sizes = np.abs(multipliers.multipliers)
-    if not np.all(sizes <= UNBOUNDED) or np.any(np.abs(sizes - 1.0) <= _NEAR):
+    if not np.all(sizes <= UNBOUNDED) or np.any(np.abs(sizes - 1.0) <= near):
         return None
     return int(np.count_nonzero(sizes > 1.0))

@@ -24,8 +24,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.tables import PATH_LENGTH, Wiring
-from nonsmooth.periodic_orbits.branch_tests import is_graze
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.excursions import is_graze, path_at_corner
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.onto import (
     is_onto,
@@ -243,6 +243,9 @@ def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> 
 
 def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
     """Leg k leaves a mode and comes back at once: the legs around it are one."""
+    path = path_at_corner(equations.word, equations.legs.tables.wiring, k)
+    if path is not None:
+        return [_past_corner(equations, turn, k, path)]
     if k == 0 and not equations.word.closes_at_event:
         return _without_first_and_last(equations, turn)
     word, turn, k = _away_from_ends(equations, turn, k)
@@ -259,6 +262,21 @@ def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Ch
     new = Word(modes[: len(paths)], paths)
     kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[k - 1], word.modes[k])
     return [Change(kind, Guess(new, Turn(turn.states[keep], instants)), grows)]
+
+
+def _past_corner(
+    equations: OrbitEquations, turn: Turn, k: int, path: tuple[int, ...]
+) -> Change:  # fmt: skip
+    """Legs k and k + 1 last no time: their guard is positive where the leg before them ends."""
+    word = equations.word
+    keep = [i for i in range(len(word)) if i not in (k, k + 1)]
+    paths = (*word.paths[: k - 1], path, *word.paths[k + 2 :])
+    new = Word(tuple(word.modes[i] for i in keep), paths)
+    middle = 0.5 * float(turn.instants[k] + turn.instants[k + 2])
+    instants = np.delete(turn.instants, [k + 1, k + 2])
+    instants[k] = middle
+    grows = f"corner:{k - 1}:{word.paths[k - 1][0]}"
+    return Change("corner", Guess(new, Turn(turn.states[keep], instants)), grows)
 
 
 def _without_events(equations: OrbitEquations, turn: Turn, k: int) -> Change:
@@ -337,10 +355,38 @@ def _with_event_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> 
     word, wiring = equations.word, equations.legs.tables.wiring
     mode, path = word.modes[k], (g, *word.paths[k])
     leads_back = int(wiring.exits["target"][mode, g]) == mode
-    if not leads_back or len(path) > PATH_LENGTH:
+    if not leads_back:
+        return _around_corner(equations, turn, k, g)
+    if len(path) > PATH_LENGTH:
         return []
     new = Word(word.modes, (*word.paths[:k], path, *word.paths[k + 1 :]))
     return [Change("grazing", Guess(new, turn), f"rate:{k}")]
+
+
+def _around_corner(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
+    """Guard g is touched just where leg k ends: its exit comes first, then the way around."""
+    word, wiring = equations.word, equations.legs.tables.wiring
+    if k + 1 >= len(word) or len(word.paths[k]) != 1:
+        return []
+    inside, after = int(wiring.exits["target"][word.modes[k], g]), word.modes[k + 1]
+    length = float(turn.instants[-1] - turn.instants[0])
+    duration = min(_OPENED * length, 0.25 * float(turn.durations[k : k + 2].min()))
+    corner = equations.legs.follow(word, turn.states, turn.instants).ends[k]
+    states = np.insert(turn.states, [k + 1, k + 1], [corner, corner], axis=0)
+    instants = np.insert(turn.instants, [k + 1, k + 2], turn.instants[k + 1])
+    instants[[k + 1, k + 3]] += [-duration, duration]
+    found = []
+    for out, middle in enumerate(targets_of_cell(wiring, inside) if inside >= 0 else []):
+        for back, behind in enumerate(targets_of_cell(wiring, middle) if middle >= 0 else []):
+            if behind != after:
+                continue
+            modes = (*word.modes[: k + 1], inside, middle, *word.modes[k + 1 :])
+            paths = (*word.paths[:k], (g,), (out,), (back,), *word.paths[k + 1 :])
+            new = Word(modes, paths)
+            if path_at_corner(new, wiring, k + 1) == word.paths[k]:
+                guess = Guess(new, Turn(states, instants))
+                found.append(Change("corner", guess, "", k + 1, duration))
+    return found
 
 
 def _with_excursion(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
