@@ -27,7 +27,7 @@ from nonsmooth.periodic_orbits.excursions import is_graze, path_at_corner
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
 from nonsmooth.periodic_orbits.newton import solve_orbit
-from nonsmooth.periodic_orbits.onto import crosses, is_onto, kind_of_excursion, modes_along
+from nonsmooth.periodic_orbits.onto import chatters, crosses, is_onto, kind_of_excursion, modes_along
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
@@ -196,6 +196,8 @@ class BranchTests:
         self._seen: dict[bytes, Looked] = {}
         # legs in which the engine has found an event that the search for minima has missed
         self.closely: set[int] = set()
+        # those of rebounds before rest, whose number changes although nothing happens
+        self._rebounds = {k for each in chatters(word.modes, word.paths, wiring) for k in each}
 
     def look(self, unknowns: Floats) -> Looked:
         """The orbit of these unknowns, for the parameter values that the legs have."""
@@ -223,8 +225,9 @@ class BranchTests:
                 admissibility = Admissibility(False, f"beyond {least}")
             elif all(kept[name] > _AT_CHANGE for name in kept.keys() & told - faded):
                 admissibility = check_admissible(equations, turn, self.tolerance)
-                if admissibility.path and admissibility.leg not in self.closely:
-                    self.closely.add(admissibility.leg)
+                leg = admissibility.leg if admissibility.path else -1
+                if leg >= 0 and leg not in self.closely | self._rebounds:
+                    self.closely.add(leg)
                     self._seen.clear()
                     return self.look(unknowns)
                 if not admissibility.admissible:

@@ -26,6 +26,7 @@ _SHORTEST = 1e-6  # arclength of a step that is taken as it is
 _FIRST = 0.1  # the same as part of the first step, until an orbit behind a change is a motion
 _NEAR = 1e-6  # distance from the unit circle within which a multiplier is on neither side
 _NEAR_AT_START = 1e-3  # the same where the branch begins, perhaps at a special point
+_STILL = 1e-6  # part of a slope of the parameter by the arclength that is none
 _FOLDS = ("fold", "branch_point")
 
 
@@ -100,10 +101,7 @@ def is_explained(points: Sequence[Point], looked: Sequence[Looked]) -> bool:
         kind: sum(p.special == kind and is_critical(each, kind) for p, each in inner)
         for kind in (*_FOLDS, "flip", "torus")
     }
-    turns = sum(point.special == "fold" for point in points[1:])
-    slopes = points[0].tangent_p * points[-1].tangent_p
-    at_fold = "fold" in (points[0].special, points[-1].special)
-    if slopes != 0.0 and not at_fold and (slopes < 0.0) != (turns % 2 == 1):
+    if not _turns_are_told(points):
         return False
     for critical, kinds in ((1.0, _FOLDS), (-1.0, ("flip",))):
         sides = _side(first, critical, near) * _side(last, critical, _NEAR)
@@ -114,6 +112,14 @@ def is_explained(points: Sequence[Point], looked: Sequence[Looked]) -> bool:
     if before is None or after is None:
         return True
     return abs(after - before) <= sum(count.values()) + count["torus"]
+
+
+def _turns_are_told(points: Sequence[Point]) -> bool:
+    """Whether the parameter turns back as often as there are folds, or as rounding may say."""
+    slopes = [points[0].tangent_p, points[-1].tangent_p]
+    at_fold = points[-1].special in _FOLDS or min(map(abs, slopes)) <= _STILL * max(map(abs, slopes))
+    turns = sum(point.special == "fold" for point in points[1:])
+    return at_fold or (slopes[0] * slopes[1] < 0.0) == (turns % 2 == 1)
 
 
 def _side(multipliers: Floquet, critical: float, near: float) -> float:
