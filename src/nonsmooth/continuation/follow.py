@@ -125,7 +125,15 @@ def follow(
         raise OptionError(f"residual = {residual!r:.60} is no function; give residual(u, p)")
     unknowns, parameter = start_of(u, p)
     options = checked_options(
-        parameter, step, smallest_step, largest_step, bounds, steps, tests, tolerance, max_newton,
+        parameter,
+        step,
+        smallest_step,
+        largest_step,
+        bounds,
+        steps,
+        tests,
+        tolerance,
+        max_newton,
         accept,
     )
     sizes = sizes_of(unknowns, parameter, scale, parameter_scale, options.bounds)

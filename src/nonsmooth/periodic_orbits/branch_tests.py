@@ -3,12 +3,12 @@
 Each is a number without unit whose sign changes where something happens. Names tell what:
 ``flip`` and ``torus`` for multipliers; ``graze:k:g``, guard g comes down to zero within leg k;
 ``corner:k:g``, it is zero at the end of leg k, where another guard is; ``short:k``, leg k is about
-to vanish in a graze, or together with the next one at a corner; ``leg:k``, it vanishes otherwise; ``rate:k``, the exit of leg k is passed
-without a rate; ``gain:k:j``, exit j of a path is no longer passed at once; ``slide:k``, both sides
-of the surface at the end of leg k point at it; ``enter:k:g``, guard g of the cell on a surface
-that leg k ends at lets motion off it at once; ``shrink``, a cycle without events touches the
-plane on which it begins, or shrinks to a point; ``motion``, the engine finds another motion
-although none of these has changed its sign.
+to vanish in a graze, or together with the next one at a corner; ``leg:k``, it vanishes otherwise;
+``rate:k``, the exit of leg k is passed without a rate; ``gain:k:j``, exit j of a path is no longer
+passed at once; ``slide:k``, both sides of the surface at the end of leg k point at it;
+``enter:k:g``, guard g of the cell on a surface that leg k ends at lets motion off it at once;
+``shrink``, a cycle without events touches the plane on which it begins, or shrinks to a point;
+``motion``, the engine finds another motion although none of these has changed its sign.
 """
 
 from __future__ import annotations
@@ -27,7 +27,14 @@ from nonsmooth.periodic_orbits.excursions import is_graze, path_at_corner
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
 from nonsmooth.periodic_orbits.newton import solve_orbit
-from nonsmooth.periodic_orbits.onto import chatters, crosses, is_onto, kind_of_excursion, modes_along
+from nonsmooth.periodic_orbits.onto import (
+    chatters,
+    crosses,
+    is_onto,
+    jumps_over,
+    kind_of_excursion,
+    modes_along,
+)
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
@@ -142,6 +149,40 @@ class _EntryGuards:
         }
 
 
+class _JumpedGuards:
+    """Guards of surfaces that hold, behind impacts that jump over them.
+
+    The exit over such a surface has no guard of its own: an impact passes it where the guard onto
+    the surface has become negative.
+    """
+
+    def __init__(self, equations: OrbitEquations) -> None:
+        self._legs, wiring = equations.legs, equations.legs.tables.wiring
+        word = equations.word
+        self._found = []  # leg, place in its path, mode before the surface, guard of the surface
+        for k, path in enumerate(word.paths):
+            j = len(path) - 1
+            mode = modes_along(wiring, word.modes[k], path)[j] if j > 0 else -1
+            if j > 0 and jumps_over(wiring, mode, path[j]):
+                self._found.append((k, j, mode, int(wiring.exits["onto"][mode, path[j]])))
+        modes = tuple(mode for _, _, mode, _ in self._found)
+        self._word = Word(modes, ((),) * len(modes)) if modes else None
+
+    def values(self, turn: Turn) -> dict[tuple[int, int], float]:
+        """Value of each such guard by its leg and its place in the path of that.
+
+        Results that the legs hold are overwritten where there are as many of them.
+        """
+        if self._word is None:
+            return {}
+        behind = [(k + 1) % len(turn.states) for k, *_ in self._found]
+        begins = turn.instants[behind]
+        found = self._legs.follow_each(self._word, turn.states[behind], begins, begins)
+        return {
+            (k, j): float(found.others[i, onto]) for i, (k, j, _, onto) in enumerate(self._found)
+        }
+
+
 def _enters(wiring: Wiring, mode: int, path: tuple[int, ...]) -> bool:
     """Whether a path ends on a surface that it was not on before."""
     last = modes_along(wiring, mode, path)[-2]
@@ -171,6 +212,14 @@ def _shortest(wiring: Wiring, mode: int, k: int, word: Word) -> float:
     return _SHORT_OF_SLIDE if kind == "adding_sliding" else _SHORT
 
 
+class _Beside(NamedTuple):
+    """What is told of an orbit beside the results of its legs."""
+
+    entered: dict[tuple[int, int], float]  # guards of cells on surfaces, where they are entered
+    jumped: dict[tuple[int, int], float]  # guards of surfaces that impacts jump over
+    lowest: Floats  # value of each guard within each leg
+
+
 class BranchTests:
     """Looks at the orbits of one word; the last ones are remembered."""
 
@@ -192,7 +241,7 @@ class BranchTests:
         self._surface = [  # legs that end at a surface which is crossed without a reset
             crosses(wiring, families, word.modes[k], path) for k, path in enumerate(word.paths)
         ]
-        self._entries = _EntryGuards(equations)
+        self._entries, self._jumped = _EntryGuards(equations), _JumpedGuards(equations)
         self._seen: dict[bytes, Looked] = {}
         # legs in which the engine has found an event that the search for minima has missed
         self.closely: set[int] = set()
@@ -206,14 +255,14 @@ class BranchTests:
         if key in self._seen:
             return self._seen[key]
         turn = equations.unpack(unknowns)
-        entered, lowest = self._entries.values(turn), self._lowest(turn)
+        beside = _Beside(self._entries.values(turn), self._jumped.values(turn), self._lowest(turn))
         found = legs.follow(equations.word, turn.states, turn.instants)
         residual = equations.gap(turn, found)
         turn = Turn(found.starts.copy(), turn.instants)
         multipliers = floquet(equations, found)
         tests = _of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
-        kept, faded = self._of_word(turn, found, entered, lowest)
+        kept, faded = self._of_word(turn, found, beside)
         tests |= kept
         other = None
         if self.whole:
@@ -245,7 +294,7 @@ class BranchTests:
         return looked
 
     def _lowest(self, turn: Turn) -> Floats:
-        """Lowest value of each guard within each leg; results that the legs hold are overwritten."""
+        """Lowest value of each guard within each leg. It overwrites results that the legs hold."""
         word, legs = self.equations.word, self.equations.legs
         lowest = legs.minima(word, turn.states, turn.instants).values
         for k in self.closely:
@@ -254,8 +303,7 @@ class BranchTests:
         return lowest
 
     def _of_word(
-        self, turn: Turn, found: LegResults, entered: dict[tuple[int, int], float],
-        lowest: Floats,
+        self, turn: Turn, found: LegResults, beside: _Beside
     ) -> tuple[dict[str, float], set[str]]:
         """What keeps the word valid, positive where it is, from the results of its legs.
 
@@ -266,8 +314,8 @@ class BranchTests:
         tests: dict[str, float] = {}
         sizes = _guard_sizes(equations, turn, found, self._largest_so_far(turn))
         for k, path in enumerate(word.paths):
-            for g in np.flatnonzero(np.isfinite(lowest[k])):
-                tests[f"graze:{k}:{g}"] = float(lowest[k, g] / sizes.value[k, g])
+            for g in np.flatnonzero(np.isfinite(beside.lowest[k])):
+                tests[f"graze:{k}:{g}"] = float(beside.lowest[k, g] / sizes.value[k, g])
             if not path:
                 continue
             duration, e = float(turn.durations[k]), path[0]
@@ -287,11 +335,12 @@ class BranchTests:
             modes = modes_along(self._wiring, word.modes[k], path)
             for j in range(1, len(path)):
                 if not is_onto(self._wiring, modes[j], path[j]):
-                    tests[f"gain:{k}:{j}"] = -float(found.passed[k, j]) / size
+                    passed = beside.jumped.get((k, j), float(found.passed[k, j]))
+                    tests[f"gain:{k}:{j}"] = -passed / size
             for g in np.flatnonzero(np.isfinite(found.others[k])):
                 if g != e:
                     tests[f"corner:{k}:{g}"] = float(found.others[k, g] / sizes.value[k, g])
-        for (k, guard), value in entered.items():
+        for (k, guard), value in beside.entered.items():
             size = float(sizes.value[(k + 1) % len(word), guard])
             tests[f"enter:{k}:{guard}"] = value / size
         if word.paths[-1] == ():

@@ -1,4 +1,4 @@
-"""Excursions out of a mode that nothing remains of where they vanish: at a graze, and at a corner."""
+"""Excursions out of a mode of which nothing remains: they vanish at a graze, or at a corner."""
 
 from __future__ import annotations
 

@@ -23,6 +23,7 @@ __all__ = [
     "crosses",
     "is_onto",
     "joined",
+    "jumps_over",
     "kind_of_excursion",
     "kind_of_leg",
     "kind_of_mode",
@@ -61,6 +62,12 @@ def is_onto(wiring: Wiring, mode: int, e: int) -> bool:
     """
     beside = e >= int(wiring.modes["n_exits"][mode])
     return beside and int(wiring.exits["onto"][mode, e]) < 0
+
+
+def jumps_over(wiring: Wiring, mode: int, e: int) -> bool:
+    """Whether an exit is the one by which an impact jumps over a surface that holds."""
+    beside = e >= int(wiring.modes["n_exits"][mode])
+    return beside and int(wiring.exits["onto"][mode, e]) >= 0
 
 
 def crosses(wiring: Wiring, families: Integers, mode: int, path: tuple[int, ...]) -> bool:

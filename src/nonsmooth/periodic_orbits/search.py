@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
-from nonsmooth.periodic_orbits.family import member_of_family
 from nonsmooth.periodic_orbits.excursions import is_graze
+from nonsmooth.periodic_orbits.family import member_of_family
 from nonsmooth.periodic_orbits.guess import (
     Guess,
     cycle_guesses,

@@ -117,7 +117,8 @@ def is_explained(points: Sequence[Point], looked: Sequence[Looked]) -> bool:
 def _turns_are_told(points: Sequence[Point]) -> bool:
     """Whether the parameter turns back as often as there are folds, or as rounding may say."""
     slopes = [points[0].tangent_p, points[-1].tangent_p]
-    at_fold = points[-1].special in _FOLDS or min(map(abs, slopes)) <= _STILL * max(map(abs, slopes))
+    still = min(map(abs, slopes)) <= _STILL * max(map(abs, slopes))
+    at_fold = still or points[-1].special in _FOLDS
     turns = sum(point.special == "fold" for point in points[1:])
     return at_fold or (slopes[0] * slopes[1] < 0.0) == (turns % 2 == 1)
 
