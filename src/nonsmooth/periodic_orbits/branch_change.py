@@ -253,8 +253,8 @@ def _by_change_of_word(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> _WayOn | None:
     """The orbit of a word to which the test leads that has vanished."""
-    hidden = _hidden_graze(looked) if point.special == "motion" else ""
-    name = hidden or point.special
+    name = _what_happens(looked, point)
+    hidden = name != point.special
     stretch.set_parameter(point.p)
     changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
     for change in changes or changes_of_word(stretch.equations, looked.turn, name):
@@ -281,8 +281,8 @@ def _by_motion_beyond(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> _WayOn | None:
     """The orbit near this one on which the engine comes a little beyond."""
-    name = point.special
-    for change in _changes_beyond(stretch, looked, point):
+    name = _what_happens(looked, point)
+    for change in _changes_beyond(stretch, looked, replace(point, special=name)):
         start = begin_change(stretch, change, point)
         if start is None or not _is_near(start, looked):
             continue
@@ -296,14 +296,17 @@ def _by_motion_beyond(
     return None
 
 
-def _hidden_graze(looked: Looked) -> str:
-    """Test of an impact so slow that the engine takes it for a graze; "" where there is none.
+def _what_happens(looked: Looked, point: Point) -> str:
+    """What a point is special by: a slow impact where the engine only finds another motion.
 
-    It reaches behind its guard by the square of its speed only, which is within rounding.
+    The engine takes an impact for a graze that reaches behind its guard by rounding only, the
+    square of its speed.
     """
+    if point.special != "motion":
+        return point.special
     rates = {name: value for name, value in looked.tests.items() if what_of(name) == "rate"}
     least = min(rates, key=lambda name: rates[name], default="")
-    return least if least and abs(rates[least]) <= _SLOW else ""
+    return least if least and abs(rates[least]) <= _SLOW else point.special
 
 
 def _touched(stretch: BranchStretch, start: BranchStart) -> str:
@@ -324,7 +327,7 @@ def _touched(stretch: BranchStretch, start: BranchStart) -> str:
 
 def _vanishing(looked: Looked, name: str) -> list[str]:
     """Tests of the kind of this one that vanish at the same point; none where it is alone."""
-    if name in ("motion", "leg:0", "leg:last") or name.startswith("corner"):
+    if name in ("motion", *_AT_SECTION):
         return []
     kind = what_of(name)
     found = [

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic_orbits.branch_tests import Looked, what_of
+from nonsmooth.periodic_orbits.multipliers import UNBOUNDED, Floquet
 from nonsmooth.periodic_orbits.stretch import BranchStretch
 from nonsmooth.periodic_orbits.symmetric import is_antisymmetric
 from nonsmooth.periodic_orbits.word import Word
@@ -68,6 +69,7 @@ class BranchPart:
     detail: str = ""
     test: str = ""  # what vanishes there, as `BranchTests` names it for this word
     way: float = 0.0  # of the parameter along the branch: its sign
+    unbounded: bool = False  # whether a multiplier has no bound there, on one side at least
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,30 @@ def part_of(
         special = "symmetry_breaking"
     test = point.special if special else ""
     way = float(np.sign(point.tangent_p))
-    return BranchPart(stretch.equations.word, looked, point.p, along, special, detail, test, way)
+    unbounded = special == "grazing" and _kicks(stretch, point.special)
+    if unbounded and what_of(point.special) == "rate":
+        looked = replace(looked, multipliers=_without_bound(looked.multipliers))
+    return BranchPart(
+        stretch.equations.word, looked, point.p, along, special, detail, test, way, unbounded
+    )
+
+
+def _kicks(stretch: BranchStretch, name: str) -> bool:
+    """Whether what is touched has a reset, as a rigid wall has."""
+    kind, *numbers = name.split(":")
+    if kind not in ("graze", "rate", "corner"):
+        return False
+    word, k = stretch.equations.word, int(numbers[0])
+    e = word.paths[k][0] if kind == "rate" else int(numbers[1])
+    return stretch.legs.tables.wiring.resets(word.modes[k], e)
+
+
+def _without_bound(multipliers: Floquet) -> Floquet:
+    """The same with an infinite multiplier, of which rounding has made a large one of any sign."""
+    values = multipliers.multipliers.copy()
+    if values.size and not abs(values[0]) <= UNBOUNDED:  # no number where there is no rate at all
+        values[0] = np.inf
+    return multipliers._replace(multipliers=values)
 
 
 def is_critical(looked: Looked, kind: str) -> bool:

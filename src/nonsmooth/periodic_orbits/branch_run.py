@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -74,7 +74,7 @@ class _StretchWalk:
             self.ended = Followed("smallest_step", message)
             return
         first: tuple[Point, Looked] | None = None
-        for point in branch:
+        for point in _telling(branch):
             self.along = self.begin + point.arclength
             report(self.done)
             try:
@@ -193,6 +193,26 @@ class _StretchWalk:
 
     def _part(self, looked: Looked, point: Point, special: str, detail: str) -> BranchPart:
         return part_of(self.stretch, looked, point, self.along, special, detail)
+
+
+def _telling(points: Iterable[Point]) -> Iterator[Point]:
+    """The points, but for changes of the motion just before what tells how they come about.
+
+    The engine may find a slow impact to be another motion where its speed squared is rounding.
+    """
+    waits: Point | None = None
+    for point in points:
+        if waits is not None:
+            near = point.arclength - waits.arclength <= _AGAIN
+            if not (near and is_of_word(point.special)):
+                yield waits
+            waits = None
+        if point.special == "motion":
+            waits = point
+        else:
+            yield point
+    if waits is not None:
+        yield waits
 
 
 def _fault_at(stretch: BranchStretch, point: Point, fault: Exception) -> str:

@@ -30,6 +30,8 @@ __all__ = [
     "modes_along",
     "onto_beyond",
     "targets_of_cell",
+    "with_jump",
+    "without_jump",
 ]
 
 Integers = npt.NDArray[np.int64]
@@ -68,6 +70,28 @@ def jumps_over(wiring: Wiring, mode: int, e: int) -> bool:
     """Whether an exit is the one by which an impact jumps over a surface that holds."""
     beside = e >= int(wiring.modes["n_exits"][mode])
     return beside and int(wiring.exits["onto"][mode, e]) >= 0
+
+
+def with_jump(wiring: Wiring, mode: int, path: Path) -> Path:
+    """The path behind an impact: it jumps over a surface that holds, which was crossed before."""
+    if len(path) < 2 or int(wiring.exits["onto"][mode, path[0]]) != path[0]:
+        return path
+    beyond = modes_along(wiring, mode, path)[2]
+    for e in range(int(wiring.modes["n_exits"][mode]), int(wiring.modes["n_ways"][mode])):
+        onto, target = (int(wiring.exits[name][mode, e]) for name in ("onto", "target"))
+        if onto == path[0] and target == beyond:
+            return (e, *path[2:])
+    return path
+
+
+def without_jump(wiring: Wiring, mode: int, path: Path) -> Path:
+    """The path without an impact before it: it comes onto a surface that holds, and leaves it."""
+    if not path or not jumps_over(wiring, mode, path[0]):
+        return path
+    onto = int(wiring.exits["onto"][mode, path[0]])
+    exits = targets_of_cell(wiring, int(wiring.exits["target"][mode, onto]))
+    beyond = int(wiring.exits["target"][mode, path[0]])
+    return (onto, exits.index(beyond), *path[1:]) if beyond in exits else path
 
 
 def crosses(wiring: Wiring, families: Integers, mode: int, path: tuple[int, ...]) -> bool:

@@ -35,6 +35,8 @@ from nonsmooth.periodic_orbits.onto import (
     modes_along,
     onto_beyond,
     targets_of_cell,
+    with_jump,
+    without_jump,
 )
 from nonsmooth.periodic_orbits.word import Word, shortest_paths
 
@@ -334,7 +336,7 @@ def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change
     mode, path = word.modes[k], word.paths[k]
     if int(wiring.exits["target"][mode, path[0]]) != mode:
         return []
-    rest = path[1:]
+    rest = without_jump(wiring, mode, path[1:])
     if rest:
         if is_onto(wiring, mode, rest[0]):
             return []
@@ -353,7 +355,8 @@ def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change
 def _with_event_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
     """Guard g is touched just where leg k ends: its impact comes first, and the exits behind it."""
     word, wiring = equations.word, equations.legs.tables.wiring
-    mode, path = word.modes[k], (g, *word.paths[k])
+    mode = word.modes[k]
+    path = (g, *with_jump(wiring, mode, word.paths[k]))
     leads_back = int(wiring.exits["target"][mode, g]) == mode
     if not leads_back:
         return _around_corner(equations, turn, k, g)

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["branch_dataset", "check_way", "read_bounds", "read_steps"]
 
-_NO_BOUND = 1e8  # a multiplier that is larger at a graze only tells how nearly it was located
-
 _WAYS = ("both", "up", "down")
 
 
@@ -134,10 +132,8 @@ def _specials(parts: Sequence[BranchPart]) -> Columns:
 def _telling(part: BranchPart) -> complex:
     """The multiplier that makes a point special, or the largest one."""
     values = part.looked.multipliers.multipliers
-    if part.special == "grazing" and values.size:
-        sizes = np.abs(values)
-        if not np.all(sizes <= _NO_BOUND):  # those that are no number too
-            return complex(np.inf)
+    if part.unbounded and values.size:
+        return complex(np.inf)
     values = values[np.isfinite(values)]
     if not values.size:
         return complex(np.nan)
