@@ -12,7 +12,7 @@ from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, kind_of, part_of
-from nonsmooth.periodic_orbits.branch_start import before_graze, begin_change, tangent_at
+from nonsmooth.periodic_orbits.branch_start import before_graze, begin_change, goes_on, tangent_at
 from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, what_of
 from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess, driven_guess
@@ -59,6 +59,8 @@ _REGULAR = ("graze", "corner", "slide", "enter")  # smooth where a leg begins on
 _TOGETHER = 1e-8  # a test that vanishes at the same point as another one
 _SLOW = 1e-6  # speed of an impact, beside what the guard comes to in a turn
 _NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
+_SETTLED = (1e-6, 1e-5, 1e-4, 1e-3)  # of the range: where motions are let settle beyond a change
+_TURNS = 100  # in which they settle
 
 # how a branch goes on, and the point there if it is special
 _WayOn = tuple[BranchStart, BranchPart | None]
@@ -228,7 +230,12 @@ def change_at(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> tuple[BranchStart | None, BranchPart | None]:
     """How a branch goes on behind a change of its word, and the point there if it is special."""
-    for way_on in (_with_other_rebounds, _by_change_of_word, _by_motion_beyond):
+    for way_on in (
+        _with_other_rebounds,
+        _by_change_of_word,
+        _by_motion_beyond,
+        _by_settled_motion,
+    ):
         found = way_on(stretch, point, looked, along)
         if found is not None:
             return found
@@ -296,6 +303,30 @@ def _by_motion_beyond(
     return None
 
 
+def _by_settled_motion(
+    stretch: BranchStretch, point: Point, looked: Looked, along: float
+) -> _WayOn | None:
+    """The orbit that motions a little beyond settle to, if it comes to this one at the change."""
+    name = _what_happens(looked, point)
+    low, high = stretch.options.bounds
+    for part in _SETTLED:
+        for way in (_way(point), -_way(point)):
+            value = point.p + way * part * (high - low)
+            guess = _motion_from(stretch, looked.turn.states[0], value, _TURNS)
+            if guess is None or _differs_in_rebounds(stretch, guess.word):
+                continue
+            start = _start(stretch, guess, value, replace(point, tangent_p=way))
+            if start is None or not _is_near(start, looked, float(np.sqrt(part))):
+                continue
+            if not goes_on(stretch, start):
+                continue
+            start.kind = kind_of(name)
+            start.detail = _detail(stretch, name, start, point)
+            stands = replace(looked, admissibility=Admissibility(True))
+            return start, part_of(stretch, stands, point, along, start.kind, start.detail)
+    return None
+
+
 def _what_happens(looked: Looked, point: Point) -> str:
     """What a point is special by: a slow impact where the engine only finds another motion.
 
@@ -338,13 +369,13 @@ def _vanishing(looked: Looked, name: str) -> list[str]:
     return found if len(found) > 1 else []
 
 
-def _is_near(start: BranchStart, looked: Looked) -> bool:
+def _is_near(start: BranchStart, looked: Looked, share: float = _NEARBY) -> bool:
     """Whether an orbit of another word begins where this one is, and not somewhere else."""
     first, drifting = looked.turn.states[0], start.equations.drifting
     other = start.equations.unpack(start.unknowns).states[0]
     size = np.abs(looked.turn.states - np.where(drifting, first, 0.0)).max(axis=0)
     apart = np.where(drifting, 0.0, np.abs(other - first))
-    return bool(np.all(apart <= _NEARBY * max(float(size.max()), 1e-300)))
+    return bool(np.all(apart <= share * max(float(size.max()), 1e-300)))
 
 
 def _changes_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Iterator[Change]:

@@ -28,6 +28,7 @@ from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.orbit import primitive_parts
 from nonsmooth.periodic_orbits.step_check import StepCheck
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch
+from nonsmooth.periodic_orbits.trail import Trail
 
 __all__ = ["follow_orbits"]
 
@@ -136,6 +137,7 @@ class _StretchWalk:
             # it only touches the plane on which it begins, where the tangent is that of the flow
             self.following = self._goes_on_at(point, self._direction)
             return
+        self.stretch.remember(point)
         try:
             self.following, part = change_at(self.stretch, point, looked, self.along)
         except Exception as fault:  # whatever it is, the points so far are kept
@@ -149,6 +151,7 @@ class _StretchWalk:
     def _ordinary(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
         """A point at which the word stays; the stretch ends where its orbits have outgrown it."""
         self._before = looked.tests
+        self.stretch.remember(point)
         if not point.special:
             self._direction = point.tangent_u, point.tangent_p
         # a stretch that only has another scale begins at the last point of the one before
@@ -266,7 +269,7 @@ def _follow(
     options: BranchOptions, legs: Legs, start: BranchStart, report: Callable[[int], None]
 ) -> Iterator[BranchPart | Followed]:
     """The same; an event that passes the section is a point of its own."""
-    done, along = 0, 0.0
+    done, along, trail = 0, 0.0, Trail()
     begun: list[BranchStart] = []  # stretches behind changes of the word
     first = scale_of(start.equations, start.unknowns)[: legs.n]
     # what is driven and shrinks is known to the rounding of what drives it
@@ -274,7 +277,7 @@ def _follow(
     while done < options.steps:
         if start.equations.is_smooth_cycle:
             start = _on_new_plane(options, legs, start)
-        stretch = BranchStretch(options, legs, start.equations, start.grows, least)
+        stretch = BranchStretch(options, legs, start.equations, start.grows, least, trail)
         walk = _StretchWalk(stretch, start, along, float(first.max()))
         yield from walk.points(options.steps - done, partial(_report, report, done))
         if walk.ended is not None:

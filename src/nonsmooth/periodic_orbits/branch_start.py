@@ -20,7 +20,7 @@ from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Branch
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.periodic_orbits.word_change import Change
 
-__all__ = ["before_graze", "begin_change", "doubled_start", "tangent_at"]
+__all__ = ["before_graze", "begin_change", "doubled_start", "goes_on", "tangent_at"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -32,6 +32,9 @@ _SHORTER = (1.0, 0.1, 0.02)  # parts of the first duration of an excursion
 _BEFORE = 2.0  # times the way to a graze, from which on it is located
 _FARTHEST = 1e3  # times the step that tells how a test grows
 _FIRST = 0.2  # part of the first step by which a new word is tried
+_LEAST = (
+    1e-2  # part of that: shorter steps only succeed where legs that last no time solve anything
+)
 
 
 def tangent_at(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, float]:
@@ -80,7 +83,7 @@ def _begin_change(stretch: BranchStretch, change: Change, point: Point) -> Branc
     start = BranchStart(equations, unknowns, value, (way * du, way * dp), change.grows, change.kind)
     if change.opens >= 0 and _has_changed_again(stretch, start):
         return None
-    return start if _goes_on(stretch, start) else None
+    return start if goes_on(stretch, start) else None
 
 
 def _solve(
@@ -155,7 +158,7 @@ def _way(
     return 1.0 if found[0] > found[1] else -1.0
 
 
-def _goes_on(stretch: BranchStretch, start: BranchStart) -> bool:
+def goes_on(stretch: BranchStretch, start: BranchStart) -> bool:
     """Whether the first orbits of a new stretch are motions."""
     trial = BranchStretch(stretch.options, stretch.legs, start.equations, start.grows)
     step = _FIRST * stretch.options.step
@@ -163,12 +166,14 @@ def _goes_on(stretch: BranchStretch, start: BranchStart) -> bool:
     try:
         branch = follow(
             trial.residual, start.unknowns, start.value, direction=start.direction, step=step,
-            smallest_step=stretch.options.smallest_step, largest_step=step, steps=2,
+            smallest_step=max(stretch.options.smallest_step, _LEAST * step), largest_step=step, steps=2,
             bounds=stretch.options.bounds, scale=scale_along(start.equations, start.unknowns),
             parameter_scale=stretch.options.bounds[1] - stretch.options.bounds[0],
         )  # fmt: skip
         points = [point for point in branch if point.special in ("", "bound")]
     except NonsmoothError:
+        return False
+    if stretch.trail.leads_back(start.equations.word, points):
         return False
     if stretch.options.inadmissible or start.kind == "section":  # where nothing happens to it
         return len(points) > 1

@@ -22,6 +22,7 @@ from nonsmooth.periodic_orbits.cycle_plane import size_of_cycle, spread_of_cycle
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
+from nonsmooth.periodic_orbits.trail import Trail
 from nonsmooth.system.model.value_checks import first_unmet
 from nonsmooth.system.system import System
 
@@ -71,9 +72,10 @@ class BranchStretch:
 
     def __init__(
         self, options: BranchOptions, legs: Legs, equations: OrbitEquations, grows: str = "",
-        least: Floats | None = None,
+        least: Floats | None = None, trail: Trail | None = None,
     ) -> None:  # fmt: skip
         """``least``: sizes of the states below which no step is measured, (n,)."""
+        self.trail = Trail() if trail is None else trail
         self.least = np.zeros(legs.n) if least is None else least
         self.options, self.legs, self.equations = options, legs, equations
         self.tests = BranchTests(equations, options.tolerance, grows=grows)
@@ -114,6 +116,11 @@ class BranchStretch:
             for name, value in tests.items()
             if what_of(name) in _ALWAYS or not is_of_word(name)
         }
+
+    def remember(self, point: Point) -> None:
+        """A point becomes one of those where the branch has been."""
+        low, high = self.options.bounds
+        self.trail.add(self.equations.word, point, self.scale, high - low)
 
     def outgrown(self, unknowns: Floats) -> bool:
         """Whether an orbit has another size than that by which steps are measured."""

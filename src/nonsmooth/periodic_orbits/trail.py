@@ -1,0 +1,68 @@
+"""Where a branch of orbits has been, so that it is not followed back along itself."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.continuation.point import Point
+from nonsmooth.periodic_orbits.word import Word
+
+__all__ = ["Trail"]
+
+Floats = npt.NDArray[np.float64]
+
+_CONE = 0.3  # angle between two directions that are one: a step turns by half as much
+_ROUNDING = 1e-10  # scaled distance that is none
+
+
+class _Step(NamedTuple):
+    begin: Floats
+    end: Floats
+    scale: Floats  # of the unknowns and, last, of the parameter
+
+
+class Trail:
+    """The steps of a branch, by the words of its orbits."""
+
+    def __init__(self) -> None:
+        self._steps: dict[Word, list[_Step]] = {}
+        self._last: tuple[Word, Floats] | None = None
+
+    def add(self, word: Word, point: Point, scale: Floats, width: float) -> None:
+        """A point of the branch behind those before; steps join points of one word."""
+        there = np.append(point.u, point.p)
+        if self._last is not None and self._last[0] == word:
+            sizes = np.append(scale, width)
+            self._steps.setdefault(word, []).append(_Step(self._last[1], there, sizes))
+        self._last = word, there
+
+    def leads_back(self, word: Word, points: list[Point]) -> bool:
+        """Whether new points of a word lead along a step that was taken, against its direction."""
+        if len(points) < 2:
+            return False
+        first, last = (np.append(point.u, point.p) for point in (points[0], points[-1]))
+        return any(
+            _is_within(step, last) and _is_against(step, last - first)
+            for step in self._steps.get(word, [])
+        )
+
+
+def _is_within(step: _Step, there: Floats) -> bool:
+    """Whether a point is on the way from one end of a step to the other."""
+    chord, away = (step.end - step.begin) / step.scale, (there - step.begin) / step.scale
+    length = float(chord @ chord)
+    part = float(chord @ away) / length if length > 0.0 else -1.0
+    if not 0.0 <= part <= 1.0:
+        return False
+    apart = float(np.linalg.norm(away - part * chord))
+    return apart <= _CONE * min(part, 1.0 - part) * np.sqrt(length) + _ROUNDING
+
+
+def _is_against(step: _Step, ahead: Floats) -> bool:
+    """Whether a direction is the opposite of that of a step."""
+    chord, ahead = (step.end - step.begin) / step.scale, ahead / step.scale
+    size = float(np.linalg.norm(chord) * np.linalg.norm(ahead))
+    return size > 0.0 and float(chord @ ahead) <= -np.cos(_CONE) * size
