@@ -313,7 +313,7 @@ def _by_settled_motion(
         for way in (_way(point), -_way(point)):
             value = point.p + way * part * (high - low)
             guess = _motion_from(stretch, looked.turn.states[0], value, _TURNS)
-            if guess is None or _differs_in_rebounds(stretch, guess.word):
+            if guess is None or _is_known(stretch, guess.word, back=way != _way(point)):
                 continue
             start = _start(stretch, guess, value, replace(point, tangent_p=way))
             if start is None or not _is_near(start, looked, float(np.sqrt(part))):
@@ -325,6 +325,13 @@ def _by_settled_motion(
             stands = replace(looked, admissibility=Admissibility(True))
             return start, part_of(stretch, stands, point, along, start.kind, start.detail)
     return None
+
+
+def _is_known(stretch: BranchStretch, word: Word, *, back: bool) -> bool:
+    """Whether a word is that of the stretch, or of one before, which lie on the side behind."""
+    known = [stretch.equations.word, *(stretch.trail.words if back else ())]
+    system = stretch.options.system
+    return _cycle(word, system) in {_cycle(each, system) for each in known}
 
 
 def _what_happens(looked: Looked, point: Point) -> str:

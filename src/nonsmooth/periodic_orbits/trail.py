@@ -31,6 +31,11 @@ class Trail:
         self._steps: dict[Word, list[_Step]] = {}
         self._last: tuple[Word, Floats] | None = None
 
+    @property
+    def words(self) -> tuple[Word, ...]:
+        """Words along which steps were taken."""
+        return tuple(self._steps)
+
     def add(self, word: Word, point: Point, scale: Floats, width: float) -> None:
         """A point of the branch behind those before; steps join points of one word."""
         there = np.append(point.u, point.p)
