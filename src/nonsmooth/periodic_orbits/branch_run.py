@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -250,9 +250,13 @@ def follow_orbits(
 
     ``report`` is told how many steps are done; it may raise to stop.
     """
-    way, section = 0.0, None
+    way, section, stands = 0.0, None, None
     for each in _follow(options, legs, start, report):
         if isinstance(each, BranchPart):
+            if not (options.inadmissible or each.looked.admissibility.admissible) and stands:
+                # rounding has placed a change beyond it: it is told at the last motion before
+                each = _told_at(each, stands)
+            stands = each
             if each.special == "section":
                 section = each
                 continue
@@ -265,11 +269,20 @@ def follow_orbits(
         yield each
 
 
+def _told_at(change: BranchPart, motion: BranchPart) -> BranchPart:
+    """A change at an orbit that is a motion, as near to it as the branch has come."""
+    return replace(
+        motion, special=change.special, detail=change.detail, test=change.test,
+        unbounded=change.unbounded,
+    )  # fmt: skip
+
+
 def _follow(
     options: BranchOptions, legs: Legs, start: BranchStart, report: Callable[[int], None]
 ) -> Iterator[BranchPart | Followed]:
     """The same; an event that passes the section is a point of its own."""
     done, along, trail = 0, 0.0, Trail()
+    unexplained: list[float] = []
     begun: list[BranchStart] = []  # stretches behind changes of the word
     first = scale_of(start.equations, start.unknowns)[: legs.n]
     # what is driven and shrinks is known to the rounding of what drives it
@@ -280,8 +293,9 @@ def _follow(
         stretch = BranchStretch(options, legs, start.equations, start.grows, least, trail)
         walk = _StretchWalk(stretch, start, along, float(first.max()))
         yield from walk.points(options.steps - done, partial(_report, report, done))
+        unexplained += walk.check.unexplained
         if walk.ended is not None:
-            yield walk.ended
+            yield _with_doubts(walk.ended, options, unexplained)
             return
         if walk.following is None:
             break
@@ -289,13 +303,29 @@ def _follow(
         done += walk.done + bool(start.kind or not walk.done)
         if start.kind not in _NO_CHANGE:
             if any(_same_start(start, other) for other in begun):
-                yield Followed("closed", "the branch came back to where it was: it is closed")
+                closed = Followed("closed", "the branch came back to where it was: it is closed")
+                yield _with_doubts(closed, options, unexplained)
                 return
             begun.append(start)
-    yield Followed(
-        "steps",
+    message = (
         f"{options.steps} steps were taken; allow more with steps=, or longer ones with"
-        " largest_step=",
+        " largest_step="
+    )
+    yield _with_doubts(Followed("steps", message), options, unexplained)
+
+
+def _with_doubts(
+    ended: Followed, options: BranchOptions, unexplained: Sequence[float]
+) -> Followed:
+    """The end of a branch with places at which its stability changes for no known reason."""
+    if not unexplained:
+        return ended
+    places = ", ".join(f"{value:.10g}" for value in dict.fromkeys(unexplained))
+    return replace(
+        ended,
+        message=f"{ended.message} (near {options.parameter} = {places} the number of multipliers"
+        " outside the unit circle changes, and no special point was found that tells why; take a"
+        " smaller largest_step=)",
     )
 
 

@@ -9,7 +9,6 @@ as the special points say. A step that does not agree is halved until it does.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,9 +19,9 @@ from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import UNBOUNDED, Floquet
 from nonsmooth.periodic_orbits.stretch import BranchStart, BranchStretch
 
-__all__ = ["StepCheck", "Unexplained"]
+__all__ = ["StepCheck"]
 
-_SHORTEST = 1e-6  # arclength of a step that is taken as it is
+_SHORTEST = 1e-8  # arclength of a step that is taken as it is
 _FIRST = 0.1  # the same as part of the first step, until an orbit behind a change is a motion
 _NEAR = 1e-6  # distance from the unit circle within which a multiplier is on neither side
 _NEAR_AT_START = 1e-3  # the same where the branch begins, perhaps at a special point
@@ -30,18 +29,12 @@ _STILL = 1e-6  # part of a slope of the parameter by the arclength that is none
 _FOLDS = ("fold", "branch_point")
 
 
-class Unexplained(NamedTuple):
-    """A step over which multipliers change as no special point says, between two values."""
-
-    first: float
-    last: float
-
-
 class StepCheck:
     """Asked by the continuation whether it takes a step of a stretch."""
 
     def __init__(self, stretch: BranchStretch, start: BranchStart, *, behind_change: bool) -> None:
-        self.unexplained: list[Unexplained] = []
+        # values of the parameter at steps over which no special point explains the multipliers
+        self.unexplained: list[float] = []
         self._stretch, self._start = stretch, start
         self._new = behind_change  # no orbit has been a motion yet
         self._closely = 0
@@ -65,7 +58,7 @@ class StepCheck:
         if not is_explained(points[: end + 1], looked[: end + 1]):
             if length > least:
                 return False
-            self.unexplained.append(Unexplained(points[0].p, points[end].p))
+            self.unexplained.append(points[end].p)
         return True
 
     def _stand(self, points: Sequence[Point], looked: Sequence[Looked], end: int) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,8 @@ __all__ = ["Trail"]
 
 Floats = npt.NDArray[np.float64]
 
-_CONE = 0.3  # angle between two directions that are one: a step turns by half as much
+_CONE = 0.3  # angle at the ends of a step between the curve and its chord: it turns by half of it
+_AGAINST = 2.0  # angle between two directions from which on one is against the other
 _ROUNDING = 1e-10  # scaled distance that is none
 
 
@@ -46,11 +48,10 @@ class Trail:
 
     def leads_back(self, word: Word, points: list[Point]) -> bool:
         """Whether new points of a word lead along a step that was taken, against its direction."""
-        if len(points) < 2:
-            return False
-        first, last = (np.append(point.u, point.p) for point in (points[0], points[-1]))
+        there = [np.append(point.u, point.p) for point in points]
         return any(
-            _is_within(step, last) and _is_against(step, last - first)
+            _is_against(step, last - first) and (_is_within(step, first) or _is_within(step, last))
+            for first, last in pairwise(there)
             for step in self._steps.get(word, [])
         )
 
@@ -70,4 +71,4 @@ def _is_against(step: _Step, ahead: Floats) -> bool:
     """Whether a direction is the opposite of that of a step."""
     chord, ahead = (step.end - step.begin) / step.scale, ahead / step.scale
     size = float(np.linalg.norm(chord) * np.linalg.norm(ahead))
-    return size > 0.0 and float(chord @ ahead) <= -np.cos(_CONE) * size
+    return size > 0.0 and float(chord @ ahead) <= np.cos(_AGAINST) * size
