@@ -14,7 +14,7 @@ from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic_orbits.branch_start import before_graze, begin_change, goes_on, tangent_at
 from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, what_of
-from nonsmooth.periodic_orbits.equations import Turn
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess, driven_guess
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.newton import solve_orbit
@@ -61,6 +61,9 @@ _SLOW = 1e-6  # speed of an impact, beside what the guard comes to in a turn
 _NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
 _SETTLED = (1e-6, 1e-5, 1e-4, 1e-3)  # of the range: where motions are let settle beyond a change
 _TURNS = 100  # in which they settle
+_FAR = 0.05  # of the size of an orbit: motions that settle farther away are others
+_CLOSER = 0.01  # part of the way to a change, over which an orbit that joins it comes closer
+_SAME = 1e-7  # of the size of an orbit: as close as it can come
 
 # how a branch goes on, and the point there if it is special
 _WayOn = tuple[BranchStart, BranchPart | None]
@@ -316,9 +319,9 @@ def _by_settled_motion(
             if guess is None or _is_known(stretch, guess.word, back=way != _way(point)):
                 continue
             start = _start(stretch, guess, value, replace(point, tangent_p=way))
-            if start is None or not _is_near(start, looked, float(np.sqrt(part))):
-                continue
-            if not goes_on(stretch, start):
+            if start is None or not (
+                _joins(stretch, start, looked, point.p) and goes_on(stretch, start)
+            ):
                 continue
             start.kind = kind_of(name)
             start.detail = _detail(stretch, name, start, point)
@@ -376,13 +379,33 @@ def _vanishing(looked: Looked, name: str) -> list[str]:
     return found if len(found) > 1 else []
 
 
-def _is_near(start: BranchStart, looked: Looked, share: float = _NEARBY) -> bool:
+def _joins(stretch: BranchStretch, start: BranchStart, looked: Looked, value: float) -> bool:
+    """Whether an orbit beside a change comes to that of the change with the parameter.
+
+    At the root of the distance at least, as it does behind a graze; another orbit stays apart.
+    """
+    equations = start.equations
+    here = _apart(equations.unpack(start.unknowns), equations, looked)
+    stretch.set_parameter(value + _CLOSER * (start.value - value))
+    solution = solve_orbit(equations, start.unknowns)
+    stretch.set_parameter(start.value)
+    if solution.status != "completed":
+        return False
+    closer = _apart(equations.unpack(solution.unknowns), equations, looked)
+    return here <= _FAR and closer <= max(2.0 * np.sqrt(_CLOSER) * here, _SAME)
+
+
+def _is_near(start: BranchStart, looked: Looked) -> bool:
     """Whether an orbit of another word begins where this one is, and not somewhere else."""
-    first, drifting = looked.turn.states[0], start.equations.drifting
-    other = start.equations.unpack(start.unknowns).states[0]
-    size = np.abs(looked.turn.states - np.where(drifting, first, 0.0)).max(axis=0)
-    apart = np.where(drifting, 0.0, np.abs(other - first))
-    return bool(np.all(apart <= share * max(float(size.max()), 1e-300)))
+    return _apart(start.equations.unpack(start.unknowns), start.equations, looked) <= _NEARBY
+
+
+def _apart(turn: Turn, equations: OrbitEquations, looked: Looked) -> float:
+    """Distance between two orbits where they begin, beside the size of the second one."""
+    first, drifting = looked.turn.states[0], equations.drifting
+    size = np.abs(looked.turn.states - np.where(drifting, first, 0.0)).max()
+    apart = np.where(drifting, 0.0, np.abs(turn.states[0] - first)).max()
+    return float(apart / max(float(size), 1e-300))
 
 
 def _changes_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Iterator[Change]:

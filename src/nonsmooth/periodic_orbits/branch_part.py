@@ -13,7 +13,15 @@ from nonsmooth.periodic_orbits.stretch import BranchStretch
 from nonsmooth.periodic_orbits.symmetric import is_antisymmetric
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["BranchPart", "Followed", "ending_of_orbits", "is_critical", "kind_of", "part_of"]
+__all__ = [
+    "OF_MULTIPLIERS",
+    "BranchPart",
+    "Followed",
+    "ending_of_orbits",
+    "is_critical",
+    "kind_of",
+    "part_of",
+]
 
 
 _OF_EQUATIONS = ("residual", "derivative", "test ", "matrix")  # reasons that tell of no orbit
@@ -21,7 +29,7 @@ _KINDS = {
     "graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost", "gain": "gained",
     "slide": "sliding", "enter": "sliding", "shrink": "hopf", "motion": "word_change",
 }  # fmt: skip
-_OF_MULTIPLIERS = ("flip", "torus", "fold", "branch_point")
+OF_MULTIPLIERS = ("flip", "torus", "fold", "branch_point")
 _NEAR_ONE = 1e-3  # the same at a fold or a crossing, which some orbits have only to half the digits
 _CRITICAL = 1e-5  # distance from the unit circle of a multiplier that is on it
 
@@ -89,10 +97,7 @@ def kind_of(name: str) -> str:
 def part_of(
     stretch: BranchStretch, looked: Looked, point: Point, along: float, special: str, detail: str
 ) -> BranchPart:
-    """A point with what happens there; what its test has called critical is looked at again."""
-    if special in _OF_MULTIPLIERS and not is_critical(looked, special):
-        # a pole of the test, two real multipliers whose product is one, a graze next to it
-        special = ""
+    """A point with what happens there."""
     if special == "branch_point" and is_antisymmetric(
         stretch.equations, looked.turn, looked.reflection
     ):

@@ -13,9 +13,11 @@ from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.branch_change import SHRINKS, broken_test, change_at, end_at
 from nonsmooth.periodic_orbits.branch_part import (
+    OF_MULTIPLIERS,
     BranchPart,
     Followed,
     ending_of_orbits,
+    is_critical,
     kind_of,
     part_of,
 )
@@ -155,7 +157,9 @@ class _StretchWalk:
         if not point.special:
             self._direction = point.tangent_u, point.tangent_p
         # a stretch that only has another scale begins at the last point of the one before
-        if not (self.begin > 0.0 and point.arclength == 0.0 and not self.start.kind):
+        if not _is_spurious(point, looked) and not (
+            self.begin > 0.0 and point.arclength == 0.0 and not self.start.kind
+        ):
             yield self._part(looked, point, point.special, "")
             self.done += not point.special
         if looked.other is not None and not point.special and not self.stretch.options.inadmissible:
@@ -226,6 +230,14 @@ def _fault_at(stretch: BranchStretch, point: Point, fault: Exception) -> str:
         f" {type(fault).__name__}: {fault}; the points until there are kept; begin anew with an"
         " orbit beyond it, from find_orbit with other parameters="
     )
+
+
+def _is_spurious(point: Point, looked: Looked) -> bool:
+    """Whether multipliers are not what the test of a point has called them.
+
+    A pole of the test, two real multipliers whose product is one, a graze next to it.
+    """
+    return point.special in OF_MULTIPLIERS and not is_critical(looked, point.special)
 
 
 def _may_stand(options: BranchOptions, looked: Looked) -> bool:
@@ -314,9 +326,7 @@ def _follow(
     yield _with_doubts(Followed("steps", message), options, unexplained)
 
 
-def _with_doubts(
-    ended: Followed, options: BranchOptions, unexplained: Sequence[float]
-) -> Followed:
+def _with_doubts(ended: Followed, options: BranchOptions, unexplained: Sequence[float]) -> Followed:
     """The end of a branch with places at which its stability changes for no known reason."""
     if not unexplained:
         return ended

@@ -162,11 +162,12 @@ def goes_on(stretch: BranchStretch, start: BranchStart) -> bool:
     """Whether the first orbits of a new stretch are motions."""
     trial = BranchStretch(stretch.options, stretch.legs, start.equations, start.grows)
     step = _FIRST * stretch.options.step
+    least = max(stretch.options.smallest_step, _LEAST * step)
     trial.set_parameter(start.value)
     try:
         branch = follow(
             trial.residual, start.unknowns, start.value, direction=start.direction, step=step,
-            smallest_step=max(stretch.options.smallest_step, _LEAST * step), largest_step=step, steps=2,
+            smallest_step=least, largest_step=step, steps=2,
             bounds=stretch.options.bounds, scale=scale_along(start.equations, start.unknowns),
             parameter_scale=stretch.options.bounds[1] - stretch.options.bounds[0],
         )  # fmt: skip

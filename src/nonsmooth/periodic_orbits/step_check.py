@@ -21,7 +21,7 @@ from nonsmooth.periodic_orbits.stretch import BranchStart, BranchStretch
 
 __all__ = ["StepCheck"]
 
-_SHORTEST = 1e-8  # arclength of a step that is taken as it is
+_SHORTEST = 1e-6  # arclength of a step that is taken as it is
 _FIRST = 0.1  # the same as part of the first step, until an orbit behind a change is a motion
 _NEAR = 1e-6  # distance from the unit circle within which a multiplier is on neither side
 _NEAR_AT_START = 1e-3  # the same where the branch begins, perhaps at a special point
