@@ -16,6 +16,7 @@ from nonsmooth.periodic_orbits.branch_start import before_graze, begin_change, g
 from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, what_of
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess, driven_guess
+from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.onto import chatters
@@ -48,11 +49,6 @@ _ENDS = {
 _AT_BORDER = {
     "crossing_sliding": "ends where a surface is crossed at the border of the part that slides",
     "switching_sliding": "ends where the part of a surface that slides begins",
-}
-_TOUCHES = {
-    "graze": "touches {}",
-    "rate": "comes with zero speed to {}",
-    "corner": "reaches {} just as it ends",
 }
 _MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
 _REGULAR = ("graze", "corner", "slide", "enter")  # smooth where a leg begins on the other side
@@ -432,24 +428,12 @@ def _motions_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Ite
 def _detail(stretch: BranchStretch, name: str, start: BranchStart, point: Point) -> str:
     """What happens in words: which guard or leg, and whether the parameter turns back."""
     word, system = stretch.equations.word, stretch.options.system
-    kind, *numbers = name.split(":")
-    k = int(numbers[0]) if numbers and numbers[0].isdigit() else 0
-    mode = system.mode_names[word.modes[k]]
-    forms = system.structure.running
-    what = {
-        "short": f"leg {k + 1} ({mode}) vanishes",
-        "leg": f"leg {k + 1} ({mode}) vanishes",
-        "gain": f"a leg appears behind leg {k + 1} ({mode})",
-        "slide": f"both sides of a surface behind leg {k + 1} ({mode}) point at it",
-        "enter": f"the surface behind leg {k + 1} ({mode}) does not hold the motion",
-    }.get(kind, "the motion changes")
+    what = in_words(system, word, name)
     if start.kind in _AT_BORDER:
+        kind, *numbers = name.split(":")
+        k = int(numbers[0]) if numbers and numbers[0].isdigit() else 0
         k -= kind in ("leg", "rate") and k > 0
         what = f"leg {k + 1} ({system.mode_names[word.modes[k]]}) {_AT_BORDER[start.kind]}"
-    elif kind in _TOUCHES:
-        e = word.paths[k][0] if kind == "rate" else int(numbers[1])
-        touched = _TOUCHES[kind].format(forms[word.modes[k]].exit_in_words(e))
-        what = f"leg {k + 1} ({mode}) {touched}"
     # at the border of what slides an orbit is there on either side
     turns = start.kind not in _AT_BORDER and start.direction[1] * point.tangent_p < 0.0
     way = "the branch turns back" if turns else "the branch goes on"

@@ -24,6 +24,7 @@ from nonsmooth.engine.tables import DERIVATIVES, Wiring
 from nonsmooth.periodic_orbits.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.excursions import is_graze, path_at_corner
+from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
 from nonsmooth.periodic_orbits.newton import solve_orbit
@@ -271,7 +272,7 @@ class BranchTests:
             if any(kept[name] < 0.0 for name in kept.keys() - told):
                 tests["motion"] = -1.0
             if "motion" in tests or (least and kept[least] < -_AT_CHANGE):
-                admissibility = Admissibility(False, f"beyond {least}")
+                admissibility = Admissibility(False, self._broken(least))
             elif all(kept[name] > _AT_CHANGE for name in kept.keys() & told - faded):
                 admissibility = check_admissible(equations, turn, self.tolerance)
                 leg = admissibility.leg if admissibility.path else -1
@@ -292,6 +293,10 @@ class BranchTests:
             del self._seen[next(iter(self._seen))]
         self._seen[key] = looked
         return looked
+
+    def _broken(self, name: str) -> str:
+        """What has happened before an orbit, in words."""
+        return f"beyond where {in_words(self.equations.legs.system, self.equations.word, name)}"
 
     def _lowest(self, turn: Turn) -> Floats:
         """Lowest value of each guard within each leg. It overwrites results that the legs hold."""
