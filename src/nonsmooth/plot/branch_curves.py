@@ -62,6 +62,8 @@ _SAME = 1e-9  # part of the way between two points within which a special point 
 
 STABLE, UNSTABLE, SPECIAL, INADMISSIBLE = 0, 1, 2, 3
 _NEITHER = -1  # exactly where a change happens
+_JUMPS = -2  # no line leads on: an impact passes the section, and states there jump
+_JUMP = 3.0  # times the change of a value before and behind a jump
 
 
 class SpecialPoints(NamedTuple):
@@ -163,7 +165,8 @@ class BranchCurve(NamedTuple):
 
     x: Floats
     y: Floats
-    kind: npt.NDArray[np.int64]  # of the way to the next point: STABLE, UNSTABLE, SPECIAL, ...
+    # of the way to the next point: STABLE, UNSTABLE, SPECIAL, ...; another number without a line
+    kind: npt.NDArray[np.int64]
     special: str = ""  # what its points are, where it is a curve of special ones
 
     def ways(self, kind: int) -> npt.NDArray[np.bool_]:
@@ -267,7 +270,42 @@ def branch_curve(
     kind[np.delete(exact, inner)] = _NEITHER
     place = special.before[inner] + 1
     x, y = (np.insert(old, place, new[inner]) for old, new in zip(points, places, strict=True))
-    return BranchCurve(x, y, _ways(np.insert(kind, place, _NEITHER)), what.replace("_", " "))
+    ways = _ways(np.insert(kind, place, _NEITHER))
+    jumps = event_passes_section(branch) & (_jumps(points[0]) | _jumps(points[1]))
+    before = np.insert(np.arange(len(points[0])), place, special.before[inner])
+    ways[np.isin(before[:-1], np.flatnonzero(jumps))] = _JUMPS
+    return BranchCurve(x, y, ways, what.replace("_", " "))
+
+
+def event_passes_section(branch: xr.Dataset) -> npt.NDArray[np.bool_]:
+    """Whether an event passes the phase of the section between each point and the next one.
+
+    The first event is the last one of the turn behind it, or the last one the first: all events
+    are nearer to those before if they are counted from the next one.
+    """
+    count = branch.sizes["point"]
+    passes = np.zeros(max(count - 1, 0), bool)
+    if not {"leg_time", "durations", "length"} <= set(branch.data_vars):
+        return passes
+    times = branch["leg_time"].transpose("point", "leg").values
+    share = (times[:, 1:] - times[:, :1]) / branch["length"].values[:, None]
+    number = np.isfinite(share).sum(axis=1)
+    for k in np.flatnonzero((number[:-1] == number[1:]) & (number[1:] > 0)):
+        one, other = share[k, : number[k]], share[k + 1, : number[k]]
+        earlier, later = (
+            np.append(other[1:], other[0] + 1.0),
+            np.append(other[-1] - 1.0, other[:-1]),
+        )
+        straight = np.abs(other - one).sum()
+        passes[k] = min(np.abs(each - one).sum() for each in (earlier, later)) < straight
+    return passes
+
+
+def _jumps(values: Floats) -> npt.NDArray[np.bool_]:
+    """Whether values change more between two points than before and behind them."""
+    steps = np.abs(np.diff(values))
+    near = np.maximum(np.append(0.0, steps[:-1]), np.append(steps[1:], 0.0))
+    return np.asarray(steps > _JUMP * near)
 
 
 def _ways(kinds: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

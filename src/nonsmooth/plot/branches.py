@@ -128,7 +128,8 @@ def branch(
     -----
     A change lies at its special point, also where that is between two points of the branch: there
     the line goes through it. Inadmissible orbits solve the equations of their word, but pass a
-    guard in between, so no motion follows them.
+    guard in between, so no motion follows them. Where an impact passes the phase at which states
+    are taken, they jump, and the line is broken.
 
     Examples
     --------
