@@ -302,6 +302,7 @@ def _follow(
     while done < options.steps:
         if start.equations.is_smooth_cycle:
             start = _on_new_plane(options, legs, start)
+        trail.begin()
         stretch = BranchStretch(options, legs, start.equations, start.grows, least, trail)
         walk = _StretchWalk(stretch, start, along, float(first.max()))
         yield from walk.points(options.steps - done, partial(_report, report, done))

@@ -38,6 +38,10 @@ class Trail:
         """Words along which steps were taken."""
         return tuple(self._steps)
 
+    def begin(self) -> None:
+        """A stretch begins: no step leads to its first point, which may begin at another event."""
+        self._last = None
+
     def add(self, word: Word, point: Point, scale: Floats, width: float) -> None:
         """A point of the branch behind those before; steps join points of one word."""
         there = np.append(point.u, point.p)
