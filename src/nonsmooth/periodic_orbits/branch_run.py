@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
+from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_change import SHRINKS, broken_test, change_at, end_at
 from nonsmooth.periodic_orbits.branch_part import (
     OF_MULTIPLIERS,
@@ -22,7 +23,7 @@ from nonsmooth.periodic_orbits.branch_part import (
     part_of,
 )
 from nonsmooth.periodic_orbits.branch_start import tangent_at
-from nonsmooth.periodic_orbits.branch_tests import Looked, is_of_word, what_of
+from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word, what_of
 from nonsmooth.periodic_orbits.cycle_plane import direction_on, is_flat, on_new_plane
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
@@ -41,6 +42,8 @@ _NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion van
 _HALVING = "the turn passes twice through the orbit that doubles its period here"
 _CLOSED = 1e-5  # scaled distance from where a branch was before
 _LEAST = 1e-2  # of the size of the first orbit: smaller ones are not measured by their own
+_BEYOND = 1e-8  # of a test that vanishes together with another one, by rounding
+_NEVER_AGAIN = ("", "bound", "flip", "torus")
 _NO_CHANGE = ("", "section")  # kinds of starts at which the word stays, but for its beginning
 
 
@@ -105,7 +108,7 @@ class _StretchWalk:
     def _is_again(self, point: Point, looked: Looked) -> bool:
         """Whether a point only repeats the change behind which the stretch begins."""
         name, tests, start = point.special, looked.tests, self.start
-        if name and name != "bound" and self.begin > 0.0 and point.arclength <= _AGAIN:
+        if name not in _NEVER_AGAIN and self.begin > 0.0 and point.arclength <= _AGAIN:
             return True
         if name == "branch_point" and _at_graze(looked):
             return True
@@ -266,8 +269,7 @@ def follow_orbits(
     for each in _follow(options, legs, start, report):
         if isinstance(each, BranchPart):
             if not (options.inadmissible or each.looked.admissibility.admissible) and stands:
-                # rounding has placed a change beyond it: it is told at the last motion before
-                each = _told_at(each, stands)
+                each = _within_rounding(each, stands)
             stands = each
             if each.special == "section":
                 section = each
@@ -281,8 +283,15 @@ def follow_orbits(
         yield each
 
 
-def _told_at(change: BranchPart, motion: BranchPart) -> BranchPart:
-    """A change at an orbit that is a motion, as near to it as the branch has come."""
+def _within_rounding(change: BranchPart, motion: BranchPart) -> BranchPart:
+    """A change that rounding has placed beyond itself.
+
+    Both words stand at the change itself. Where only the engine tells it, it is told at the last
+    motion before.
+    """
+    if not broken_tests(change.looked, -_BEYOND):
+        looked = replace(change.looked, admissibility=Admissibility(True))
+        return replace(change, looked=looked)
     return replace(
         motion, special=change.special, detail=change.detail, test=change.test,
         unbounded=change.unbounded,

@@ -40,7 +40,7 @@ from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["BranchTests", "Looked", "is_of_word", "largest_along", "what_of"]
+__all__ = ["BranchTests", "Looked", "broken_tests", "is_of_word", "largest_along", "what_of"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -73,6 +73,11 @@ def what_of(name: str) -> str:
 def is_of_word(name: str) -> bool:
     """Whether a test is one of those that keep the word of an orbit valid."""
     return what_of(name) in _OF_WORD
+
+
+def broken_tests(looked: Looked, below: float = 0.0) -> set[str]:
+    """Tests of the word behind whose zeros an orbit lies."""
+    return {name for name, value in looked.tests.items() if is_of_word(name) and value < below}
 
 
 class _GuardSizes(NamedTuple):

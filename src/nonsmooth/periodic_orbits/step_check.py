@@ -14,7 +14,7 @@ import numpy as np
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic_orbits.branch_part import is_critical
-from nonsmooth.periodic_orbits.branch_tests import Looked, is_of_word
+from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import UNBOUNDED, Floquet
 from nonsmooth.periodic_orbits.stretch import BranchStart, BranchStretch
@@ -26,6 +26,7 @@ _FIRST = 0.1  # the same as part of the first step, until an orbit behind a chan
 _NEAR = 1e-6  # distance from the unit circle within which a multiplier is on neither side
 _NEAR_AT_START = 1e-3  # the same where the branch begins, perhaps at a special point
 _STILL = 1e-6  # part of a slope of the parameter by the arclength that is none
+_AT_ONCE = 1e-6  # arclength between changes of the word that are one
 _FOLDS = ("fold", "branch_point")
 
 
@@ -65,10 +66,19 @@ class StepCheck:
         """Whether the orbits are motions up to the change of the word, or to the end."""
         if self._stretch.options.inadmissible:
             return True
+        at_once = {
+            point.special
+            for point in points[end:]
+            if point.arclength - points[end].arclength <= _AT_ONCE
+        }
+        if "motion" in at_once:
+            end -= 1
         return all(
-            each.admissibility.admissible or self._is_before(each)
-            for each, point in zip(looked[1 : end + 1], points[1 : end + 1], strict=True)
-            if point.special != "motion"
+            each.admissibility.admissible
+            or self._is_before(each)
+            or (k == end and broken_tests(each) <= at_once)
+            for k, each in enumerate(looked[: end + 1])
+            if k
         )
 
     def _is_before(self, looked: Looked) -> bool:
