@@ -28,6 +28,7 @@ def line(u, p):
         ({"max_newton": 1}, "max_newton = 1: a whole number, 2 or more"),
         ({"tolerance": 1.0}, "tolerance = 1: from 1e-15"),
         ({"tests": 3}, "tests = 3 is no function"),
+        ({"accept": 3}, "accept = 3 is no function"),
         ({"tests": lambda point: 3}, "mapping of names to numbers"),
         ({"tests": lambda point: {"fold": 1.0}}, "'fold'; names are texts"),
         ({"tests": lambda point: {"x": point.u}, "u": [0.0, 0.0]}, "one real number"),

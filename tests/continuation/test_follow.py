@@ -161,3 +161,32 @@ def test_equations_may_be_mixed_and_have_any_units(seed, first, second):
     branch = follow(mixed, [0.0, 0.0], 0.0, bounds=(0, 0.3))
     folds = [point.p for point in named(branch, "fold")]
     assert folds == pytest.approx(reaction_folds(14.0)[1], abs=1e-11)
+
+
+def test_steps_that_are_not_accepted_are_halved():
+    """Two zeros of a test lie within the first long step over them, and show no change of sign."""
+
+    def two_zeros(point):
+        return {"zero": (point.p - 0.5) * (point.p - 0.52)}
+
+    options = {"bounds": (0.0, 1.0), "step": 0.2, "tests": two_zeros}
+
+    def over_both(points):
+        return points[0].p < 0.5 and points[-1].p > 0.52
+
+    def accept(points):
+        assert [point.arclength for point in points] == sorted(p.arclength for p in points)
+        return not over_both(points) or sum(point.special == "zero" for point in points) == 2
+
+    def zeros(branch):
+        return [point.p for point in branch if point.special == "zero"]
+
+    assert zeros(follow(lambda u, p: u - p**2, 0.0, 0.0, **options)) == []
+    found = zeros(follow(lambda u, p: u - p**2, 0.0, 0.0, accept=accept, **options))
+    assert found == pytest.approx([0.5, 0.52], abs=1e-12)
+
+
+def test_a_branch_ends_where_no_step_is_accepted():
+    branch = follow(lambda u, p: u - p, 0.0, 0.0, accept=lambda points: points[-1].p < 0.3)
+    assert max(point.p for point in branch) == pytest.approx(0.3, abs=2e-8)
+    assert branch.ended == "smallest_step"

@@ -346,3 +346,33 @@ def test_an_output_is_told_from_an_unknown_name():
         ns.plot.branch(branch, "stop_force")
     with pytest.raises(OptionError, match="unknown variable 'stop_forc'"):
         ns.plot.branch(branch, "stop_forc")
+
+
+def test_the_line_is_broken_where_an_impact_passes_the_section():
+    """A ball on a table: the impact is at phase 0 for p = 0, where its speed is reversed."""
+    p = np.linspace(-0.2, 0.2, 9) + 0.01
+    early = p < 0.0  # the impact lies behind the section, or at the end of the turn
+    first = np.where(early, -p, 1.0 - p)
+    branch = xr.Dataset(
+        {
+            "p": ("point", p),
+            "v": ("point", np.where(early, -1.0, 0.8) + 0.1 * p),
+            "x": ("point", np.abs(p)),
+            "stable": ("point", np.ones(9, bool)),
+            "length": ("point", np.ones(9)),
+            "leg_time": (("point", "leg"), np.stack([np.zeros(9), first], axis=1)),
+            "durations": (("point", "leg"), np.stack([first, 1.0 - first], axis=1)),
+            "special_kind": ("special", np.array([], str)),
+            "special_value": ("special", np.array([], float)),
+            "special_point": ("special", np.array([], int)),
+        },
+        attrs={"parameter": "p"},
+    )
+    for name, jump in (("v", True), ("x", False)):
+        ax = ns.plot.branch(branch, name)
+        drawn = np.concatenate(
+            [line.get_ydata() for line in ax.lines if str(line.get_gid()).startswith("branch")]
+        )
+        steps = np.abs(np.diff(drawn))
+        assert np.nanmax(steps) < 0.1  # no line leads over the jump of 1.8
+        assert np.isnan(drawn[:-1]).any() == jump

@@ -120,8 +120,8 @@ def continue_orbit(
         Over ``point``, in order along the branch, the variables of `find_orbit`, the parameter
         under its own name and ``arclength``, which is 0 where the branch began. Over ``special``:
         ``special_kind``, ``special_value`` (of the parameter), ``special_point`` (its number among
-        the points), ``special_multiplier`` and ``special_detail``. At a graze of a rigid wall
-        multipliers have no bound, and ``special_multiplier`` is infinite. Attributes
+        the points), ``special_multiplier`` and ``special_detail``. At a graze of a rigid wall a
+        multiplier has no bound, and ``special_multiplier`` is infinite. Attributes
         ``end_first`` and ``end_last`` say why the branch ended where the points begin and end.
 
     Raises
@@ -166,9 +166,10 @@ def continue_orbit(
     ``adding_sliding``
         While an orbit slides, what holds it there comes to its bound and turns back: beyond, it
         leaves the surface for a while.
-    ``sliding``, ``hopf``
-        Where the branch ends: a surface holds the motion, or does not any more, and no orbit beside
-        it does otherwise; a cycle without events shrinks to a point.
+    ``sliding``
+        A surface begins to hold the motion, or does not any more, in another way than these.
+    ``hopf``
+        Where the branch ends: a cycle without events shrinks to a point.
     ``word_change``
         The engine finds another motion, although none of these happens.
     ``bound``, ``closed``
@@ -179,7 +180,8 @@ def continue_orbit(
     why: ``bound``, ``closed``, ``steps``, ``smallest_step``, ``singular``, ``domain``,
     ``fault`` (an error within the library, with all points until then), or the kind of a special
     point behind which no orbit is found that is a motion. Every orbit is checked by
-    the engine, as in `find_orbit`.
+    the engine, as in `find_orbit`, and every step by whether its orbits are motions and its special
+    points explain what multipliers and the parameter do; a step that fails is halved.
 
     A cycle without events begins on a plane across its flow. Where the flow passes the plane at a
     flat angle, it is laid anew through the first state and the middle of the cycle.
