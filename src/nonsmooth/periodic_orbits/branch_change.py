@@ -52,7 +52,7 @@ _AT_BORDER = {
 }
 _MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
 _REGULAR = ("graze", "corner", "slide", "enter")  # smooth where a leg begins on the other side
-_TOGETHER = 1e-8  # a test that vanishes at the same point as another one
+_TOGETHER = 1e-6  # a test that vanishes at the same point as another one
 _SLOW = 1e-6  # speed of an impact, beside what the guard comes to in a turn
 _NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
 _SETTLED = (1e-6, 1e-5, 1e-4, 1e-3)  # of the range: where motions are let settle beyond a change
@@ -263,7 +263,7 @@ def _by_change_of_word(
     hidden = name != point.special
     stretch.set_parameter(point.p)
     changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
-    for change in changes or changes_of_word(stretch.equations, looked.turn, name):
+    for change in [*changes, *changes_of_word(stretch.equations, looked.turn, name)]:
         passes = change.kind == "section"  # an event passes it, which is no special point
         start = _over_chatter(stretch, looked, point) if passes else None
         start = start or begin_change(stretch, change, point)
