@@ -173,14 +173,29 @@ def test_special_points_of_gears_do_not_depend_on_the_start():
         assert_same(found[n], found[40.0], rel=1e-8)
 
 
-def test_two_walls_touched_at_once_are_passed():
-    """A symmetric orbit touches both walls at once where the forward one has 0.92326 too."""
-    branch = ns.continue_orbit(rubbing(1.3, both=True), "w", (0.9, 3.0))
-    found = specials(branch)
-    places = {round(p, 4): kind for kind, p in found}
+def test_changes_on_both_sides_of_a_symmetric_orbit_at_once_are_passed():
+    """It touches both walls at w = 0.92326: a branch ended there, or went on, by where it began."""
+    found = []
+    for w in (0.7, 1.3, 2.0):
+        branch = ns.continue_orbit(rubbing(w, both=True), "w", (0.65, 3.0))
+        assert bool(branch["admissible"].all())
+        assert_no_part_twice(branch, "w")
+        found.append(specials(branch))
+        assert_same(found[-1], found[0], rel=1e-8)
+    places = {round(p, 4): kind for kind, p in found[0]}
     assert places[0.9233] == "grazing"
     assert places[0.9913] == "fold"
-    assert bool(branch["admissible"].all())
+
+
+@pytest.mark.parametrize("hold", [None, 1])
+def test_changes_of_sliding_do_not_depend_on_the_start(hold):
+    found = []
+    for w in (0.7, 1.3, 2.0):
+        branch = ns.continue_orbit(rubbing(w, hold=hold), "w", (0.6, 3.0))
+        assert bool(branch["admissible"].all())
+        found.append([p for _, p in specials(branch)])
+        assert found[-1] == pytest.approx(found[0], rel=1e-8)
+    assert len(found[0]) > 10
 
 
 def test_messages_do_not_name_tests():
