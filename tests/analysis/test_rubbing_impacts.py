@@ -74,7 +74,7 @@ def test_the_range_of_the_parameter_does_not_decide_whether_a_branch_goes_on():
     """Which of the tests that vanish with a leg is found first depends on rounding."""
     details = []
     for high in (5.3, 5.5, 6.0):
-        branch = ns.continue_orbit(DAMPER, "f", (5.0, high), direction="up", steps=12)
+        branch = ns.continue_orbit(DAMPER, "f", (5.0, high), direction="up", steps=20)
         value, detail = special(branch, "switching_sliding")
         assert value == pytest.approx(5.20744075, abs=1e-7)
         assert branch.attrs["end_last"] == "steps"

@@ -97,7 +97,8 @@ class _StretchWalk:
             if not self._is_located and first is not None:
                 # the start is the change itself, to rounding: no sign has changed behind it
                 self._is_located = True
-                yield self._part(first[1], first[0], self.start.kind, self.start.detail)
+                begun = self._part(first[1], first[0], self.start.kind, self.start.detail)
+                yield replace(begun, arclength=self.begin + first[0].arclength)
             yield from self._counted(point, looked)
             if self.following is not None or self.ended is not None:
                 return
