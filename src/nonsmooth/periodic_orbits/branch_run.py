@@ -42,6 +42,7 @@ _NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion van
 _HALVING = "the turn passes twice through the orbit that doubles its period here"
 _CLOSED = 1e-5  # scaled distance from where a branch was before
 _LEAST = 1e-2  # of the size of the first orbit: smaller ones are not measured by their own
+_CLOSE = 1e-4  # of a test that is about to vanish where no step succeeds any more
 _BEYOND = 1e-8  # of a test that vanishes together with another one, by rounding
 _NEVER_AGAIN = ("", "bound", "flip", "torus")
 _NO_CHANGE = ("", "section")  # kinds of starts at which the word stays, but for its beginning
@@ -63,6 +64,7 @@ class _StretchWalk:
         self.check = StepCheck(stretch, start, behind_change=begin > 0.0)
         self.following: BranchStart | None = None
         self.ended: Followed | None = None
+        self._stands: tuple[Point, Looked] | None = None  # the last motion
         self._before: Mapping[str, float] = {}  # tests of the last point that was a motion
         self._direction = start.direction  # at the last point that is not special
         self._is_located = not start.located
@@ -102,9 +104,32 @@ class _StretchWalk:
             yield from self._counted(point, looked)
             if self.following is not None or self.ended is not None:
                 return
+        if branch.ended in ("smallest_step", "singular"):
+            yield from self._past_end()
+            if self.following is not None:
+                return
         if branch.ended != "steps":
             message = ending_of_orbits(branch.ended, branch.message, name, point.p)
             self.ended = Followed(branch.ended, message)
+
+    def _past_end(self) -> Iterator[BranchPart]:
+        """The change just before which no step succeeds, since a leg that vanishes spoils it."""
+        if self._stands is None:
+            return
+        point, looked = self._stands
+        close = {
+            name: value
+            for name, value in looked.tests.items()
+            if is_of_word(name) and abs(value) <= _CLOSE
+        }
+        for name in sorted(close, key=lambda each: close[each]):
+            self.following, part = change_at(
+                self.stretch, replace(point, special=name), looked, self.along
+            )
+            if self.following is not None:
+                if part is not None:
+                    yield part
+                return
 
     def _is_again(self, point: Point, looked: Looked) -> bool:
         """Whether a point only repeats the change behind which the stretch begins."""
@@ -157,6 +182,7 @@ class _StretchWalk:
     def _ordinary(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
         """A point at which the word stays; the stretch ends where its orbits have outgrown it."""
         self._before = looked.tests
+        self._stands = point, looked
         self.stretch.remember(point)
         if not point.special:
             self._direction = point.tangent_u, point.tangent_p
