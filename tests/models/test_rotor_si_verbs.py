@@ -99,6 +99,14 @@ def speeds_of_orbits():
     return ns.continue_orbit(SYSTEM, "eta", (0.91, 0.915), steps=5)
 
 
+def saddle_curves():
+    """Unstable manifold of the orbit beyond a flip."""
+    branch = ns.continue_orbit(SYSTEM, "eta", (1.1, 1.2), parameters={"eta": 1.12})
+    last = branch.isel(point=int(np.argmax(branch["eta"].values)))
+    at = SYSTEM.with_parameters(eta=float(last["eta"]))
+    return ns.manifold(at, last, length=1e-3)
+
+
 # of each verb: a result, and of each number in it what one is worth; None for a table of states
 RESULTS = {
     "simulate": (lambda: run_of(tangent=True),
@@ -168,6 +176,12 @@ RESULTS = {
             record=100, steps=5, longest=1,
         ),
         PICTURE,
+    ),
+    "manifold": (
+        saddle_curves,
+        {name: MOTION[name] for name in STATES}
+        | dict.fromkeys(("arclength", "border_turn", "border_gap", "first_length"), ONE)
+        | {"first_deviation": ONE, "saddle": None, "direction": None},
     ),
     "attractors": (lambda: ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200),
                    ATTRACTOR),

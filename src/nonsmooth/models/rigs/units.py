@@ -39,7 +39,8 @@ _STATISTICS = (
 # over ``state``, each in the unit of its state, and derivatives by ``state_0``, ``parameter_0``
 OF_STATES = (
     "state_before", "state_after", "points", "initial_state", "end_state", "start_state",
-    "image_state", "fixed_state", "leg_states", "settled", "strobes",
+    "image_state", "fixed_state", "leg_states", "settled", "strobes", "saddle",
+    "direction",
 )  # fmt: skip
 # of a return map, in the unit of its coordinate
 _OF_COORDINATE = (
@@ -57,7 +58,8 @@ _NUMBERS = {
     "digits", "boundary_dimension", "uncertain_fraction", "largest_distance", "fraction_within",
     "box_dimension", "correlation_dimension", "correlation_sum", "fit", "distance",
     "standard_error", "drift", "net_drift", "slope", "fixed_slope", "spread", "largest_spread",
-    "exponent_per_return", "log_determinant", "arclength", "unsettled", "ended",
+    "exponent_per_return", "log_determinant", "arclength", "unsettled", "ended", "border_turn",
+    "border_gap", "first_length", "first_deviation",
 }  # fmt: skip
 # what each parameter of a model stands for in a machine
 TWO_MASSES = {
