@@ -180,8 +180,8 @@ RESULTS = {
     "manifold": (
         saddle_curves,
         {name: MOTION[name] for name in STATES}
-        | dict.fromkeys(("arclength", "border_turn", "border_gap", "first_length"), ONE)
-        | {"first_deviation": ONE, "saddle": None, "direction": None},
+        | dict.fromkeys(("arclength", "border_gap", "first_length"), ONE)
+        | {"border_turn": RAD, "first_deviation": ONE, "saddle": None, "direction": None},
     ),
     "attractors": (lambda: ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200),
                    ATTRACTOR),

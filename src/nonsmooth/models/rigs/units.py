@@ -58,7 +58,7 @@ _NUMBERS = {
     "digits", "boundary_dimension", "uncertain_fraction", "largest_distance", "fraction_within",
     "box_dimension", "correlation_dimension", "correlation_sum", "fit", "distance",
     "standard_error", "drift", "net_drift", "slope", "fixed_slope", "spread", "largest_spread",
-    "exponent_per_return", "log_determinant", "arclength", "unsettled", "ended", "border_turn",
+    "exponent_per_return", "log_determinant", "arclength", "unsettled", "ended",
     "border_gap", "first_length", "first_deviation",
 }  # fmt: skip
 # what each parameter of a model stands for in a machine
