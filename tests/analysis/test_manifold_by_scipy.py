@@ -91,7 +91,7 @@ def test_unstable_points_are_images_of_the_first_piece(saddle):
     for number in (0, 1):
         here = curves.isel(point=np.flatnonzero(curves["curve_of_point"].values == number))
         first = float(curves["first_length"][number])
-        along = vectors[:, 0] * np.sign(vectors[:, 0] @ curves["direction"].values[number])
+        along = vectors[:, 0] * np.sign(vectors[:, 0] @ curves["saddle_direction"].values[number])
         points, images = np.column_stack([here["x"], here["v"]]), here["image"].values
         count = images.max()
         places = np.geomspace(first / values[0], first, 60)

@@ -181,7 +181,7 @@ RESULTS = {
         saddle_curves,
         {name: MOTION[name] for name in STATES}
         | dict.fromkeys(("arclength", "border_gap", "first_length"), ONE)
-        | {"border_turn": RAD, "first_deviation": ONE, "saddle": None, "direction": None},
+        | {"border_turn": RAD, "first_deviation": ONE, "saddle": None, "saddle_direction": None},
     ),
     "attractors": (lambda: ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200),
                    ATTRACTOR),

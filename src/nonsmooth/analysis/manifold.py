@@ -103,7 +103,7 @@ def manifold(
         first of two neighbours that rounding alone separates), ``border_kind``, ``border_turn``
         and ``border_gap``. Over ``curve``: ``curve_side``, ``curve_orbit_point``, ``curve_end``
         (why it ends), ``first_length`` and ``first_deviation`` of the straight piece, ``saddle``
-        and ``direction``. ``multipliers`` of the orbit. Attributes: ``status``, ``message``,
+        and ``saddle_direction``. ``multipliers`` of the orbit. Attributes: ``status``, ``message``,
         ``period`` (iterates in one turn), ``sides_alternate`` (1 where motions come to one side of
         the orbit and the other in turn, so that the map of two turns is taken), ``multiplier`` of
         the map that is taken, and ``residual`` of the orbit.

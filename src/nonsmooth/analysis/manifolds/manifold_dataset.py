@@ -154,7 +154,7 @@ def _over_curves(saddle: Saddle, branches: list[CurveOfSide]) -> dict[str, Any]:
         "first_deviation": ("curve", np.array([b.first.deviation for b in branches]), {
             "long_name": "deviation of the manifold from the first piece, in scaled states"}),
         "saddle": (("curve", "state"), origins, {"long_name": "point of the orbit"}),
-        "direction": (("curve", "state"), directions, {
+        "saddle_direction": (("curve", "state"), directions, {
             "long_name": "direction in which the curve begins"}),
     }  # fmt: skip
 

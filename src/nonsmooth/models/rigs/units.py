@@ -40,7 +40,7 @@ _STATISTICS = (
 OF_STATES = (
     "state_before", "state_after", "points", "initial_state", "end_state", "start_state",
     "image_state", "fixed_state", "leg_states", "settled", "strobes", "saddle",
-    "direction",
+    "saddle_direction",
 )  # fmt: skip
 # of a return map, in the unit of its coordinate
 _OF_COORDINATE = (
