@@ -70,7 +70,7 @@ def beside_branches(picture):
             share = (value - b[own]) / np.where(b[own + 1] == b[own], 1.0, b[own + 1] - b[own])
             between = states[own] + share[:, None, None] * (states[own + 1] - states[own])
             at = here["settled"][k, 0].values[:3]
-            gaps = np.nanmax(np.abs(between[..., :3] - at) / spread, axis=2)
+            gaps = np.max(np.abs(between[..., :3] - at) / spread, axis=2)  # nan: no such point
             missed += not np.any(gaps < NEAR)
     return missed
 
