@@ -7,6 +7,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.analysis import bifurcation_picture as module
+from nonsmooth.analysis.pictures import branches
 from nonsmooth.plot.pictures import branches_of
 
 FOLD = 2.0 / (3.0 * np.sqrt(3.0))  # of p = x**3 - x
@@ -118,6 +119,28 @@ def test_an_interruption_keeps_what_was_found(monkeypatch) -> None:
     found = ns.bifurcation_picture(hysteresis(), "p", (-0.6, 0.6), REGION, columns=9, samples=8)
     assert found.attrs["status"] == "interrupted" and found.sizes["parameter"] == 3
     assert "interrupted by the user" in found.attrs["message"]
+
+
+@pytest.mark.parametrize("calls", [3, 9, 14])
+def test_attractors_keep_their_numbers_as_far_as_an_interruption_lets_them(calls, monkeypatch):
+    """It comes on the way up, after three values, or on the way down after all of nine."""
+    told = []
+
+    def report(self, done):
+        told.append(done)
+        if len(told) == calls:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(module.Progress, "update", report)
+    found = ns.bifurcation_picture(hysteresis(), "p", (-0.2, 0.2), REGION, columns=9, samples=8)
+    assert found.attrs["status"] == "interrupted"
+    assert found.sizes["parameter"] == min(calls, 9) and found.sizes["attractor"] == 2
+
+
+def test_branches_that_are_not_followed_are_told(monkeypatch):
+    monkeypatch.setattr(branches, "_MOST", 1)
+    found = ns.bifurcation_picture(hysteresis(), "p", (-0.2, 0.2), REGION, columns=3, samples=8)
+    assert "no more branches than 1 are followed: lower longest=" in found.attrs["message"]
 
 
 def test_a_picture_survives_a_file(picture, tmp_path) -> None:

@@ -288,6 +288,11 @@ def _message(columns: Sequence[Column], collector: BranchCollector, complete: bo
     ended = sum(bool(np.any(column.labels < 0)) for column in columns)
     if ended:
         said.append(f"at {ended} values some starts ended early")
+    if collector.is_full:
+        said.append(
+            f"no more branches than {len(collector.branches)} are followed: lower longest=, or"
+            " choose a shorter range"
+        )
     if collector.failures:
         said.append(
             f"{len(collector.failures)} orbits began no branch, the first at"

@@ -60,10 +60,15 @@ class BranchCollector:
     failures: list[str] = field(default_factory=list)  # of cycles that began no branch
     complete: bool = True
 
+    @property
+    def is_full(self) -> bool:
+        """Whether there are as many branches as are followed at most."""
+        return len(self.branches) >= _MOST
+
     def add_all(self, cycles: Iterator[OrbitPoints]) -> None:
         """Follow each cycle that lies on no branch, and what leaves the branches."""
         for cycle in cycles:
-            if not self.complete or len(self.branches) >= _MOST:
+            if not self.complete or self.is_full:
                 return
             if cycle.period <= self.longest and not self.holds(cycle):
                 self._follow(cycle.value, initial=self._start(cycle), period=cycle.period)
@@ -131,7 +136,7 @@ class BranchCollector:
         """Branches that begin at the special points of one."""
         for k, kind in enumerate(branch["special_kind"].values.tolist()):
             period = _period(branch) * (2 if kind == "flip" else 1)
-            full = len(self.branches) >= _MOST or not self.complete
+            full = self.is_full or not self.complete
             if full or kind not in _LEAVING or period > self.longest:
                 continue
             place = int(branch["special_point"].values[k])

@@ -100,7 +100,8 @@ def follow_numbers(columns: Sequence[Column]) -> list[Integers]:
 
     Two attractors of neighbouring columns are one where each leads to the other: a motion that
     begins on either comes to the other when the parameter takes the step, up and down. Where a
-    motion comes to another attractor and does not return, the first one has ended.
+    motion comes to another attractor and does not return, the first one has ended. Where the way
+    down was interrupted, the way up alone tells.
     """
     numbers: list[Integers] = []
     used = 0
@@ -111,7 +112,8 @@ def follow_numbers(columns: Sequence[Column]) -> list[Integers]:
             back = below.from_above
             for i, label in enumerate(column.from_below.tolist()):
                 j = label - 1
-                if label > 0 and j < len(back) and back[j] == i + 1:
+                returns = back[j] == i + 1 if 0 <= j < len(back) else not back.size
+                if label > 0 and own[j] == 0 and returns:
                     own[j] = numbers[-1][i]
         for j in np.flatnonzero(own == 0):
             used += 1
