@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.basins.attractor_search import drift_mask, read_search
+from nonsmooth.analysis.basins.attractor_search import SearchOptions, drift_mask, read_search
 from nonsmooth.analysis.basins.region import read_box
 from nonsmooth.analysis.options import SharedOptions, refuse_fixed, result_attributes
 from nonsmooth.analysis.orbit_search.branches import read_bounds
@@ -186,14 +186,14 @@ def bifurcation_picture(
             maps, lambda each: read_box(each.system, region, completion), how, progress.update
         )
     collector = BranchCollector(
-        chosen, parameter, (low, high), longest, _scale(base, found), {"steps": steps}
+        chosen, parameter, (low, high), longest, _scale(base, found), steps, tolerance
     )
     if complete:
         anchors = np.linspace(low, high, n_searches + 2)[1:-1]
         try:
             collector.add_all(_cycles(found, longest))
             collector.add_all(
-                _unstable(chosen, parameter, anchors, region, completion, longest, how.seed)
+                _unstable(chosen, parameter, anchors, region, completion, longest, how)
             )
         except KeyboardInterrupt:
             collector.complete = False
@@ -251,7 +251,7 @@ def _unstable(
     region: Mapping[str, Any],
     completion: Any,
     longest: int,
-    seed: int,
+    how: SearchOptions,
 ) -> Iterator[OrbitPoints]:
     """Orbits of any stability at some values."""
     for value in anchors:
@@ -261,17 +261,18 @@ def _unstable(
             region,
             completion=completion,
             longest=longest,
-            seed=seed,
+            seed=how.seed,
             samples=_SAMPLES,
             guesses=_GUESSES,
             record=_RECORD,
+            tolerance=how.tolerance,
         )
         if found.attrs["status"] == "interrupted":
             raise KeyboardInterrupt
         for k in range(found.sizes["orbit"]):
             orbit = found.isel(orbit=k)
             state = np.array([float(orbit[name]) for name in chosen.system.states])
-            points = strobes_of(there, state, int(orbit["period"]))
+            points = strobes_of(there, state, int(orbit["period"]), how.tolerance)
             yield OrbitPoints(float(value), points, orbit)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -55,7 +55,8 @@ class BranchCollector:
     between: tuple[float, float]
     longest: int
     scale: Floats
-    options: Mapping[str, Any]
+    steps: int
+    tolerance: float
     branches: list[xr.Dataset] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)  # of cycles that began no branch
     complete: bool = True
@@ -102,7 +103,7 @@ class BranchCollector:
         try:
             found = find_orbit(
                 self.chosen, branch.isel(point=place), period=cycle.period,
-                parameters={self.parameter: cycle.value},
+                parameters={self.parameter: cycle.value}, tolerance=self.tolerance,
             )  # fmt: skip
         except OptionError:
             return None
@@ -117,7 +118,8 @@ class BranchCollector:
         """One branch, and those that leave it."""
         try:
             found = continue_orbit(
-                self.chosen, self.parameter, self.between, **beginning, **self.options,
+                self.chosen, self.parameter, self.between, **beginning, steps=self.steps,
+                tolerance=self.tolerance,
                 parameters={self.parameter: value} if "special" not in beginning else None,
             )  # fmt: skip
         except OptionError as fault:
@@ -156,7 +158,8 @@ class BranchCollector:
 
     def _strobes(self, state: Floats, value: float, period: int) -> Floats:
         """Points of a cycle on the map, from one of them."""
-        return strobes_of(self.chosen.with_parameters(**{self.parameter: value}), state, period)
+        there = self.chosen.with_parameters(**{self.parameter: value})
+        return strobes_of(there, state, period, self.tolerance)
 
     def _with_strobes(self, branch: xr.Dataset) -> xr.Dataset:
         """The branch with all points of its orbits on the map, as settled motions have them."""
@@ -175,12 +178,11 @@ class BranchCollector:
         return float((np.abs(points - state) / self.scale).max(axis=1).min())
 
 
-def strobes_of(chosen: StroboscopicMap, state: Floats, period: int) -> Floats:
+def strobes_of(chosen: StroboscopicMap, state: Floats, period: int, tolerance: float) -> Floats:
     """Points of a cycle on a map, from one of them."""
     if period == 1:
         return state[None]
-    runner = chosen.runner(1e-12)
-    found = runner.images(state, ANY, period - 1)
+    found = chosen.runner(tolerance).images(state, ANY, period - 1)
     if found is None:
         return np.concatenate([state[None], np.full((period - 1, len(state)), np.nan)])
     return np.concatenate([state[None], found[0]])
