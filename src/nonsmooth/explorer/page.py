@@ -87,7 +87,7 @@ def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Se
     def send(message: dict[str, Any]) -> None:
         nonlocal count
         count += 1  # equal messages must differ, or the second would be no change
-        to_page.tags = [{**message, "count": count}]
+        to_page.tags = [_packed({**message, "count": count})]
 
     def later(function: Callable[[], None], milliseconds: int) -> None:
         def guarded() -> None:
@@ -170,6 +170,19 @@ def _boxed(session: Session, pane: str) -> Callable[[Any], None]:
             session.hear(json.dumps({"do": "box", "pane": pane, **sides}))
 
     return tell
+
+
+def _packed(message: dict[str, Any]) -> dict[str, Any]:
+    """Plain values as one text of JSON, which takes a fraction of the time of Bokeh's own way."""
+    plain: dict[str, str] = {}
+    arrays: dict[str, Any] = {}
+    for key, value in message.items():
+        try:
+            plain[key] = json.dumps(value, allow_nan=False)
+        except (TypeError, ValueError):  # with arrays, or with numbers that JSON does not know
+            arrays[key] = value
+    text = ", ".join(f"{json.dumps(key)}: {value}" for key, value in plain.items())
+    return {"plain": "{" + text + "}", "arrays": arrays}
 
 
 def _static(name: str) -> str:

@@ -88,15 +88,15 @@ def _extent(values: np.ndarray) -> tuple[float, float]:
 
 def _by_mode(run: xr.Dataset, names: list[str], *, over_time: bool = False) -> dict[str, Any]:
     """Points of a curve for each mode, with gaps where the motion is in another one."""
-    from nonsmooth.plot.style import mode_colours, mode_numbers
+    from nonsmooth.plot.style import modes_visited
     from nonsmooth.plot.trace import broken, curve
 
     trace = curve(run, names)
     points = np.vstack([trace.time, trace.values]) if over_time else trace.values
     points = np.vstack([points, points]) if len(points) == 1 else points
     found = {
-        name: broken(points, np.isin(trace.mode, mode_numbers(run, name)) & ~trace.jumps)
-        for name in mode_colours(run)
+        name: broken(points, here & ~trace.jumps)
+        for name, here in modes_visited(run, trace.mode).items()
     }
     moved = np.append(np.any(np.diff(points, axis=1) != 0.0, axis=0), False)
     found[""] = broken(points, trace.jumps & moved)
@@ -108,17 +108,12 @@ def _events(view: View, run: xr.Dataset, names: list[str]) -> list[dict[str, Any
     log = run.isel(event=slice(0, _EVENTS))
     modes = log["mode"].attrs["flag_meanings"].split()
     columns = {key: log[f"event_{key}"].values.tolist() for key in ("time", "name", "kind")}
-    sides = {side: log[f"state_{side}"].values for side in ("before", "after")}
+    columns |= {key: [modes[i] for i in log[f"event_{key}"].values] for key in ("from", "to")}
+    columns |= {side: log[f"state_{side}"].values.tolist() for side in ("before", "after")}
+    columns |= {"rate": log["guard_rate"].values.tolist()}
+    columns |= {key: log[key].values.astype(bool).tolist() for key in ("certified", "estimated")}
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     states = list(view.system.states)
-    rows: list[dict[str, Any]] = []
-    for k in range(log.sizes["event"]):
-        row = {key: values[k] for key, values in columns.items()}
-        row |= {"from": modes[int(log["event_from"].values[k])]}
-        row |= {"to": modes[int(log["event_to"].values[k])]}
-        row |= {side: values[k].tolist() for side, values in sides.items()}
-        row |= {"rate": float(log["guard_rate"].values[k])}
-        row |= {key: bool(log[key].values[k]) for key in ("certified", "estimated")}
-        rows.append(row)
     when = np.array([row["time"] for row in rows])
     for name in names:
         place = states.index(name) if name in states else -1

@@ -13,7 +13,7 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import event_markers
-from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, mode_numbers
+from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, modes_visited
 from nonsmooth.plot.trace import DENSE, check_log, check_range, check_variables, curve, thinned
 
 if TYPE_CHECKING:
@@ -239,10 +239,8 @@ def _draw_modes(
     from matplotlib.collections import PolyCollection
 
     spans = _spans(run, *time_range)
-    for name, colour in mode_colours(run).items():
-        here = np.isin(spans.mode, mode_numbers(run, name))
-        if not np.any(here):
-            continue
+    colours = mode_colours(run)
+    for name, here in modes_visited(run, spans.mode).items():
         begin, end = spans.begin[here], spans.end[here]
         corners = np.zeros((begin.size, 4, 2))
         corners[:, :2, 0], corners[:, 2:, 0] = begin[:, None], end[:, None]
@@ -250,7 +248,7 @@ def _draw_modes(
         rectangles = PolyCollection(
             list(corners),
             transform=ax.get_xaxis_transform(),
-            facecolor=colour,
+            facecolor=colours[name],
             alpha=_PALE,
             edgecolor="none",
             zorder=0,

@@ -14,7 +14,7 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, mode_numbers
+from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, modes_visited
 from nonsmooth.plot.trace import DENSE, Trace, broken, check_range, check_variables, curve
 from nonsmooth.system.algebra.linear import CONSTANT, LinearForm, State
 from nonsmooth.system.system import System
@@ -121,12 +121,12 @@ def phase_portrait(
 
 def _draw_by_mode(run: xr.Dataset, trace: Trace, ax: Axes, dense: bool) -> None:
     """A line per mode, broken where the run is in another mode, and one for the jumps."""
-    for name, colour in mode_colours(run).items():
-        here = np.isin(trace.mode, mode_numbers(run, name))
+    colours = mode_colours(run)
+    for name, here in modes_visited(run, trace.mode).items():
         points = broken(trace.values, here & ~trace.jumps)
         if points.size:
             label = mode_label(name)
-            ax.plot(*points, color=colour, linewidth=1.2, label=label, rasterized=dense)
+            ax.plot(*points, color=colours[name], linewidth=1.2, label=label, rasterized=dense)
     # slaved states meet their equation at an event, which moves them by rounding
     visible = np.ptp(trace.values, axis=1, keepdims=True) / _CELLS
     moved = np.append(np.any(np.abs(np.diff(trace.values, axis=1)) > visible, axis=0), False)

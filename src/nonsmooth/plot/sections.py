@@ -13,7 +13,7 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, mode_numbers
+from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, modes_visited
 from nonsmooth.plot.trace import DENSE
 from nonsmooth.runs.options import positive_number
 
@@ -99,11 +99,8 @@ def section(
     colours = {"": LINES[0]["color"]}
     if phases:
         colours = mode_colours(points)
-        modes = points["mode"].values.ravel()
-        sets = {name: np.isin(modes, mode_numbers(points, name)) for name in colours}
+        sets = modes_visited(points, points["mode"].values.ravel())
     for name, here in sets.items():
-        if phases and not here.any():
-            continue
         ax.plot(
             across[here],
             up[here],

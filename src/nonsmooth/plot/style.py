@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
 
@@ -26,6 +27,7 @@ __all__ = [
     "mixed",
     "mode_colours",
     "mode_numbers",
+    "modes_visited",
     "plain_numbers",
     "text_width",
     "wrapped",
@@ -177,6 +179,17 @@ def mode_numbers(run: xr.Dataset, name: str) -> list[int]:
     """Numbers of the modes that have a name."""
     names = run["mode"].attrs["flag_meanings"].split()
     return [i for i, other in enumerate(names) if other == name]
+
+
+def modes_visited(
+    run: xr.Dataset, modes: npt.NDArray[np.int64]
+) -> dict[str, npt.NDArray[np.bool_]]:
+    """Where each mode is, by its name and in the order of the colours; without those never used."""
+    names = run["mode"].attrs["flag_meanings"].split()
+    distinct = list(dict.fromkeys(names))
+    number = np.array([distinct.index(name) for name in names])[modes]
+    used = np.bincount(number.ravel(), minlength=len(distinct)) > 0
+    return {name: number == i for i, name in enumerate(distinct) if used[i]}
 
 
 def mixed(colour: str, target: int, twentieths: int) -> str:

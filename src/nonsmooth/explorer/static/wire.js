@@ -1,5 +1,5 @@
 // Messages between the page and its session: JSON in the tags of one model, answers in the tags of
-// another. Bokeh carries both, and arrays come as typed arrays.
+// another. Bokeh carries both. Plain values come as JSON too, and arrays beside them as typed arrays.
 
 let outgoing = null;
 export const gestures = { sent: 0, heard: 0 }; // equal where nothing is on its way
@@ -33,7 +33,10 @@ export function connect(ready) {
     outgoing = document_?.get_model_by_name("from_page");
     if (!incoming || !outgoing) return;
     clearInterval(timer);
-    incoming.properties.tags.change.connect(() => hear(incoming.tags[0]));
+    incoming.properties.tags.change.connect(() => {
+      const { plain, arrays } = incoming.tags[0];
+      hear({ ...JSON.parse(plain), ...arrays });
+    });
     ready();
   }, 10);
 }
