@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import numpy.typing as npt
 
 from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.analysis.orbit_search.branches import (
@@ -16,17 +12,14 @@ from nonsmooth.analysis.orbit_search.branches import (
     read_bounds,
     read_steps,
 )
-from nonsmooth.continuation.branch import Branch
-from nonsmooth.continuation.point import Point
-from nonsmooth.continuation.two_parameter import two_parameter
 from nonsmooth.errors import ModelError, NonsmoothError, OptionError, is_known, unknown_name
-from nonsmooth.periodic_orbits.branch_part import BranchPart, ending_of_orbits, kind_of
-from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, is_of_word
-from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.branch_part import BranchPart, kind_of
+from nonsmooth.periodic_orbits.branch_tests import what_of
 from nonsmooth.periodic_orbits.guess import Guess
-from nonsmooth.periodic_orbits.legs import LegError, Legs
-from nonsmooth.periodic_orbits.newton import scale_of
+from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
+from nonsmooth.periodic_orbits.special_condition import OF_UNIT_CIRCLE, CurveOptions
+from nonsmooth.periodic_orbits.special_curve import SpecialCurve
 from nonsmooth.periodic_orbits.stretch import BranchOptions
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.progress import HeldInterrupts, Progress
@@ -44,9 +37,7 @@ _KINDS = (
     "crossing_sliding", "grazing_sliding", "switching_sliding", "adding_sliding",
 )  # fmt: skip
 
-Floats = npt.NDArray[np.float64]
-
-_AGAIN = 1e-6  # arclength within which the start itself is seen again
+_RESONANT = {"1_1": "fold", "1_2": "flip"}  # curves on which a torus curve ends
 
 
 def continue_special(
@@ -132,29 +123,40 @@ def continue_special(
         shared=SharedOptions(tolerance=tolerance),
     )  # fmt: skip
     parts, said = follow_special(wanted, direction)
+    asked, options = wanted.asked, wanted.asked.options
     attrs: dict[str, Any] = {
-        "period": wanted.options.period,
-        "special_kind": wanted.kind,
-        "first_parameter": wanted.first,
-        "between": f"{wanted.options.bounds[0]:g} {wanted.options.bounds[1]:g}",
+        "period": options.period,
+        "phase_of_period": options.phase,
+        "special_kind": asked.kind,
+        "first_parameter": asked.first,
+        "first_between": "{:.17g} {:.17g}".format(*asked.first_bounds),
+        "between": "{:.17g} {:.17g}".format(*options.bounds),
     }
-    data = branch_dataset(wanted.options, parts, attrs | said)
-    place = list(wanted.options.system.parameters).index(wanted.first)
+    data = branch_dataset(options, parts, attrs | said)
+    place = list(options.system.parameters).index(asked.first)
     values = [float(part.looked.values[place]) for part in parts]
-    words = {"long_name": wanted.options.system.describe.get(wanted.first, wanted.first)}
-    return data.assign({wanted.first: ("point", values, words)})
+    words = {"long_name": options.system.describe.get(asked.first, asked.first)}
+    return data.assign({asked.first: ("point", values, words)})
 
 
 @dataclass(frozen=True)
-class SpecialCurve:
-    """A special point and the parameters over which it is followed."""
+class _Wanted:
+    """What is followed, and where it begins."""
 
-    options: BranchOptions  # over the second parameter
+    asked: CurveOptions
     guess: Guess
-    kind: str
     test: str  # what vanishes, as `BranchTests` names it
-    first: str  # parameter of the branch
-    first_bounds: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class _SpecialPoint:
+    """A special point of a branch, or of another curve."""
+
+    kind: str  # of the curve that is followed from there
+    test: str
+    orbit: xr.Dataset
+    parameters: tuple[str, ...]  # those that vary: of the branch or of both of the curve
+    bounds: tuple[float, float]  # of the first of them
 
 
 def read_special_options(
@@ -169,13 +171,14 @@ def read_special_options(
     largest_step: Any,
     smallest_step: Any,
     shared: SharedOptions,
-) -> SpecialCurve:
+) -> _Wanted:
     """The point that is meant, and how it is followed."""
-    number, kind, point = _special_point(branch, special)
-    first = str(branch.attrs["parameter"])
+    place = _special_point(branch, special)
+    first = place.parameters[0]
     try:
         system = shared.system_of(System.from_toml(branch.attrs["system"]))
-        system = system.with_parameters(**{first: float(point[first])})
+        values = {name: float(place.orbit[name]) for name in place.parameters}
+        system = system.with_parameters(**values)
     except (KeyError, ModelError) as fault:
         raise OptionError(f"branch: its attributes do not give its system: {fault}") from None
     bounds = _second_bounds(system, first, parameter, between)
@@ -186,31 +189,47 @@ def read_special_options(
         float(branch.attrs["phase_of_period"]), not is_driven(build_tables(system)),
         whole_number("steps", steps), begin, longest, shortest, float(shared.tolerance), False,
     )  # fmt: skip
-    ends = [float(text) for text in str(branch.attrs["between"]).split()]
-    return SpecialCurve(
-        options, guess_of_dataset(system, point), kind,
-        str(branch["special_test"].values[number]), first, (ends[0], ends[1]),
-    )  # fmt: skip
+    asked = CurveOptions(options, place.kind, first, place.bounds)
+    return _Wanted(asked, guess_of_dataset(system, place.orbit), place.test)
 
 
-def _special_point(branch: Any, special: Any) -> tuple[int, str, xr.Dataset]:
-    """Number and kind of a special point that can be followed, and the orbit there."""
+def _special_point(branch: Any, special: Any) -> _SpecialPoint:
+    """A special point that can be followed."""
     if not hasattr(branch, "data_vars") or "special_test" not in branch:
-        raise OptionError("branch: give a result of continue_orbit")
+        raise OptionError("branch: give a result of continue_orbit, or of continue_special")
     count = branch.sizes["special"]
     number = finite_number("special", special)
     if number != int(number) or not 0 <= number < count:
         raise OptionError(
             f"special = {special!r:.60}: the branch has {count} special points, numbered from 0"
         )
-    kind = str(branch["special_kind"].values[int(number)])
-    if kind not in _KINDS:
+    row = branch.isel(special=int(number))
+    kind, test = str(row["special_kind"].values), str(row["special_test"].values)
+    of_curve = "first_parameter" in branch.attrs
+    followed = _other_condition(test) if of_curve else kind
+    if followed not in _KINDS:
         raise OptionError(
-            f"special = {int(number)} is a {kind} point; curves are followed of the kinds"
-            f" {', '.join(_KINDS)}"
+            f"special = {int(number)} is a {kind} point, from which no curve is followed; curves"
+            f" are followed of the kinds {', '.join(_KINDS)}"
         )
-    place = int(branch["special_point"].values[int(number)])
-    return int(number), kind, branch.isel(point=place)
+    if what_of(test) == "motion":
+        raise OptionError(
+            f"special = {int(number)}: only the motions beyond tell of this {kind} point, so there"
+            " is no number that vanishes there and could be followed"
+        )
+    names = (branch.attrs["first_parameter"],) if of_curve else ()
+    bounds = branch.attrs["first_between" if of_curve else "between"]
+    low, high = (float(text) for text in str(bounds).split())
+    orbit = branch.isel(point=int(row["special_point"]))
+    return _SpecialPoint(
+        followed, test if test not in _RESONANT else followed, orbit,
+        (*names, str(branch.attrs["parameter"])), (low, high),
+    )  # fmt: skip
+
+
+def _other_condition(test: str) -> str:
+    """Kind of the curve that crosses another one, by what vanishes beside its own condition."""
+    return _RESONANT.get(test, test if test in OF_UNIT_CIRCLE else kind_of(test))
 
 
 def _second_bounds(system: System, first: str, parameter: Any, between: Any) -> tuple[float, float]:
@@ -233,146 +252,39 @@ def _second_bounds(system: System, first: str, parameter: Any, between: Any) -> 
     return low, high
 
 
-class _Condition:
-    """Equations of the orbit in both parameters, and the number that vanishes on the curve."""
-
-    def __init__(self, wanted: SpecialCurve) -> None:
-        options = wanted.options
-        names = list(options.system.parameters)
-        self.wanted = wanted
-        self.legs = Legs(options.system, (wanted.first, options.parameter))
-        self.legs.set_values(options.system.parameter_values)
-        self.equations = OrbitEquations(
-            self.legs, wanted.guess.word, period=options.period, phase=options.phase,
-            autonomous=options.autonomous, origin=wanted.guess.turn.states[0],
-            reference=wanted.guess.turn.states[0].copy(),
-        )  # fmt: skip
-        self.unknowns = self.equations.pack(wanted.guess.turn)
-        self._values = self.legs.values.copy()
-        self._places = [names.index(wanted.first), names.index(options.parameter)]
-        self._number = BranchTests(
-            self.equations, options.tolerance, whole=False, grows=wanted.test
-        )
-        self._tests = BranchTests(self.equations, options.tolerance, grows=wanted.test)
-
-    def _set(self, p: float, q: float) -> None:
-        values = self._values.copy()
-        values[self._places] = p, q
-        self.legs.set_values(values)
-
-    def residual(self, u: Floats, p: float, q: float) -> tuple[Floats, Floats, Floats, Floats]:
-        """Equations with their derivatives by unknowns and both parameters."""
-        self._set(p, q)
-        residual, jacobian, moved = self.equations.evaluate(u)
-        return residual, jacobian, moved[:, 0], moved[:, 1]
-
-    def number(self, u: Floats, p: float, q: float) -> float:
-        """What vanishes on the curve."""
-        self._set(p, q)
-        return self._number.look(u).tests.get(self.wanted.test, np.nan)
-
-    def look(self, point: Point) -> Looked:
-        """The orbit of a point of the curve."""
-        self._set(float(point.u[-1]), point.p)
-        return self._tests.look(point.u[:-1].copy())
-
-    def others(self, point: Point) -> Mapping[str, float]:
-        """What else keeps the word valid, but the condition itself."""
-        driven = not self.equations.word.closes_at_event
-        return {
-            name: value
-            for name, value in self.look(point).tests.items()
-            if name != self.wanted.test
-            and is_of_word(name)
-            # on a curve of grazes the engine sees what rounding makes of them; where an event
-            # passes the section nothing happens
-            and name not in ("motion", "leg:last", "leg:0" if driven else "")
-        }
-
-
-def follow_special(wanted: SpecialCurve, direction: str) -> tuple[list[BranchPart], dict[str, Any]]:
+def follow_special(wanted: _Wanted, direction: str) -> tuple[list[BranchPart], dict[str, Any]]:
     """Points of the curve in order, and attributes that say how it ended."""
     ways = {"both": (-1, 1), "up": (1,), "down": (-1,)}[direction]
+    asked, steps = wanted.asked, wanted.asked.options.steps
     found: dict[int, list[BranchPart]] = {-1: [], 1: []}
     said: dict[str, Any] = {"status": "completed", "end_first": "start", "end_last": "start"}
-    messages, steps = [], wanted.options.steps
+    messages = []
     try:
         with HeldInterrupts() as held, Progress("following", len(ways) * steps) as progress:
             for number, way in enumerate(ways):
 
                 def report(done: int, number: int = number) -> None:
-                    progress.update(number * steps + done)
+                    progress.update(number * steps + min(done, steps))
                     held.check()
 
+                legs = Legs(asked.options.system, (asked.first, asked.options.parameter))
+                legs.set_values(asked.options.system.parameter_values)
+                curve = SpecialCurve(asked, legs, report, found[way])
                 name = "first" if way < 0 else "last"
-                said[f"end_{name}"], message = _one_way(wanted, way, found[way], report)
-                messages.append(f"{name} end: {message}")
+                try:
+                    curve.follow(wanted.guess, wanted.test, way)
+                except NonsmoothError as fault:
+                    raise OptionError(f"the special point cannot be followed: {fault}") from None
+                said[f"end_{name}"] = curve.ended
+                messages.append(f"{name} end: {curve.message}")
+                if curve.ended == "closed":  # this way all of it has been seen
+                    said["end_first"] = said["end_last"] = "closed"
+                    found[-way].clear()
+                    messages = [curve.message]
+                    break
     except KeyboardInterrupt:
         said["status"] = "interrupted"
         messages.append("interrupted by the user")
     said["message"] = "; ".join(messages)
     down = found[-1]
     return [*reversed(down), *found[1][bool(down) :]], said
-
-
-def _one_way(
-    wanted: SpecialCurve, way: int, found: list[BranchPart], report: Callable[[int], None]
-) -> tuple[str, str]:
-    """Follow the curve in one direction; why it ends there, as a word and as a sentence."""
-    condition, options = _Condition(wanted), wanted.options
-    for point in (curve := _curve(condition, way)):
-        report(len(found))
-        try:
-            looked = condition.look(point)
-        except LegError:
-            continue
-        changes = is_of_word(point.special)
-        if changes and point.arclength <= _AGAIN:
-            continue
-        special = kind_of(point.special) if changes else point.special
-        detail = "two things happen at once" if changes else ""
-        found.append(
-            BranchPart(
-                condition.equations.word, looked, point.p, way * point.arclength, special, detail,
-                point.special,
-            )
-        )  # fmt: skip
-        if changes:
-            return special, (
-                f"at {options.parameter} = {point.p:.10g} something else happens too ({special}),"
-                " and the orbits beyond have another word"
-            )
-    return curve.ended, _says(wanted, curve, point)
-
-
-def _says(wanted: SpecialCurve, curve: Branch, last: Point) -> str:
-    """Why the curve ends at this point, by the names of both parameters."""
-    options, first = wanted.options, float(last.u[-1])
-    if curve.ended == "bound" and first in wanted.first_bounds:
-        return (
-            f"{wanted.first} reached its bound {first:.10g}, which is that of the branch, at"
-            f" {options.parameter} = {last.p:.10g}; for more give a branch over a wider range"
-        )
-    if curve.ended == "bound":
-        return (
-            f"{options.parameter} reached its bound {last.p:.10g}, at {wanted.first} = {first:.10g}"
-        )
-    return ending_of_orbits(curve.ended, curve.message, options.parameter, last.p)
-
-
-def _curve(condition: _Condition, way: int) -> Branch:
-    wanted, options = condition.wanted, condition.wanted.options
-    (low, high), (lowest, highest) = wanted.first_bounds, options.bounds
-    values = options.system.parameter_values
-    try:
-        return two_parameter(
-            condition.residual, "fold" if wanted.test == "fold" else condition.number,
-            condition.unknowns, float(values[wanted.first]), float(values[options.parameter]),
-            direction=way, step=options.step, smallest_step=options.smallest_step,
-            largest_step=options.largest_step, bounds=(low, high), second_bounds=options.bounds,
-            steps=options.steps, tests=condition.others, parameter_scale=high - low,
-            scale=scale_of(condition.equations, condition.unknowns),
-            second_scale=highest - lowest,
-        )  # fmt: skip
-    except NonsmoothError as fault:
-        raise OptionError(f"the special point cannot be followed: {fault}") from None

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy import sparse
 
 from nonsmooth.continuation.branch import Branch
-from nonsmooth.continuation.equations import (
-    RELATIVE_STEP,
-    Equations,
-    call,
-    difference_within,
-    has_derivatives,
-)
+from nonsmooth.continuation.equations import call, has_derivatives
+from nonsmooth.continuation.extended import Residual, Scalar, extended
 from nonsmooth.continuation.options import (
     checked_bounds,
     checked_options,
@@ -25,19 +18,12 @@ from nonsmooth.continuation.options import (
     sizes_of,
     start_of,
 )
-from nonsmooth.continuation.point import Array, OutsideDomain, Point, SingularMatrix
+from nonsmooth.continuation.point import Array, OutsideDomain, Point
 from nonsmooth.continuation.start import begin
 from nonsmooth.errors import OptionError
 
 __all__ = ["two_parameter"]
 
-_Scalar = Callable[[Array, float, float], Any]
-
-_Residual = Callable[[Array, float, float], Any]
-_UNBOUNDED = (-math.inf, math.inf)
-_STEP = 1e-5  # differences of derivatives
-_STEP_OF_DIFFERENCES = 1e-4  # the same where these are differences themselves
-_TILTED = 0.5  # cosine between border and null vector below which the border is taken anew
 # Slope of p by the arclength that counts as none where q turns: second derivatives of the residual
 # are differences with a step of 1e-5, good to 1e-10. Differences of differences have a step of
 # 1e-4 and are good to 1e-6. Slopes are as good, times the bend of the curve.
@@ -45,135 +31,9 @@ _TURNS = 1e-6
 _TURNS_BY_DIFFERENCES = 1e-4
 
 
-class _Extended:
-    """``(r, g)`` of ``((u, p), q)``, with derivatives where the residual has them.
-
-    ``sizes`` are those of u, p and q, ``bounds`` those of q; ``at(q)`` gives the equations in u
-    and p.
-    """
-
-    def __init__(
-        self, residual: _Residual, scalar: _Scalar, at: Callable[[float], Equations], sizes: Array,
-        bounds: tuple[float, float],
-    ) -> None:  # fmt: skip
-        self.residual, self.scalar, self.at = residual, scalar, at
-        self.sizes, self.bounds = sizes, bounds
-
-    def __call__(self, x: Array, q: float) -> Any:
-        """``(r, g)``, with derivatives by (u, p) and by q where one of both has some."""
-        u, p = x[:-1], float(x[-1])
-        found = self.residual(u, p, q)
-        g = self.scalar(u, p, q)
-        if not has_derivatives(found, u.size, (3, 4)):
-            if not isinstance(g, tuple):
-                return np.append(np.ravel(found), g)
-            # a difference of g, which may be one itself, would lose what its gradient is good to
-            found = self.at(q).linearised(u, p)
-        r, J_u, J_p, *rest = found
-        J_q = rest[0] if rest else self._of_q(u, p, q, np.ravel(r))
-        value, gradient = self._gradient(g, u, p, q)
-        above = np.column_stack([_dense(J_u), np.ravel(J_p)])
-        matrix = np.vstack([above, gradient[:-1]])
-        return np.append(np.ravel(r), value), matrix, np.append(np.ravel(J_q), gradient[-1])
-
-    def _gradient(self, g: Any, u: Array, p: float, q: float) -> tuple[float, Array]:
-        """The scalar and its derivatives by u, p and q."""
-        if isinstance(g, tuple):
-            if len(g) != 4:
-                raise OptionError(
-                    f"the test returned {len(g)} values; it returns one number, or (g, g_u, g_p,"
-                    " g_q) with its derivatives"
-                )
-            parts = [np.ravel(np.asarray(part, dtype=float)) for part in g]
-            return float(parts[0][0]), np.concatenate(parts[1:])
-        value = float(g)
-        if not math.isfinite(value):
-            raise OutsideDomain("the test is not finite")
-        z = np.concatenate([u, [p, q]])
-        gradient = np.empty(z.size)
-        for i in range(z.size):
-
-            def along(to: float, i: int = i) -> float:
-                moved = z.copy()
-                moved[i] = to
-                there = call(self.scalar, moved[:-2], float(moved[-2]), float(moved[-1]))
-                if not math.isfinite(there):
-                    raise OutsideDomain("the test is not finite")
-                return float(there)
-
-            gradient[i] = self._difference(along, float(z[i]), i, value)
-        return value, gradient
-
-    def _of_q(self, u: Array, p: float, q: float, r: Array) -> Array:
-        """Derivative of the residual by q, which it did not give."""
-        found: Array = self._difference(lambda to: self.at(to).value(u, p), q, u.size + 1, r)
-        return found
-
-    def _difference(self, value: Callable[[float], Any], at: float, place: int, here: Any) -> Any:
-        step = RELATIVE_STEP * max(abs(at), float(self.sizes[place]))
-        last = place == self.sizes.size - 1
-        return difference_within(value, here, at, step, self.bounds if last else _UNBOUNDED)
-
-
-def _dense(matrix: Any) -> Array:
-    if sparse.issparse(matrix):
-        matrix = matrix.toarray()
-    return np.atleast_2d(np.asarray(matrix, dtype=float))
-
-
-class _FoldScalar:
-    """A number that is zero at folds, the last unknown of the bordered J_u, and its gradient.
-
-    After Griewank and Reddien, SIAM Journal on Numerical Analysis 21, 176-185 (1984): with
-    [J_u b; c 0] (v, g) = (0, 1) the number g is zero where J_u is singular, and regular there.
-
-    ``at(q)`` gives the equations in u and p at a value of q, which is never beyond its bounds.
-    """
-
-    def __init__(self, at: Callable[[float], Equations], bounds: tuple[float, float]) -> None:
-        self.at, self.bounds = at, bounds
-        self.b: Array | None = None
-        self.c: Array | None = None
-
-    def __call__(self, u: Array, p: float, q: float) -> tuple[float, Array, float, float]:
-        """``(g, g_u, g_p, g_q)``."""
-        equations = self.at(q)
-        J_u = equations.linearised(u, p).J_u
-        J_u = J_u if isinstance(J_u, np.ndarray) else J_u.toarray()
-        g, v, w = self._null_vectors(J_u)
-        step = _STEP_OF_DIFFERENCES if equations.by_differences else _STEP
-        step *= (1.0 + float(np.abs(u).max())) / float(np.abs(v).max())
-        above, below = (equations.linearised(u + s * step * v, p) for s in (1.0, -1.0))
-        # J_u v changes with u, p as [J_u J_p] does along v
-        g_u = -(w @ (above.J_u - below.J_u)) / (2.0 * step)
-        g_p = -float(w @ (above.J_p - below.J_p)) / (2.0 * step)
-        by_q = step * max(1.0, abs(q))
-        change = difference_within(
-            lambda to: self.at(to).linearised(u, p).J_u @ v, J_u @ v, q, by_q, self.bounds
-        )
-        return g, np.ravel(g_u), g_p, -float(w @ change)
-
-    def _null_vectors(self, J_u: Array) -> tuple[float, Array, Array]:
-        if self.b is None or self.c is None:
-            left, _, right = np.linalg.svd(J_u)
-            self.b, self.c = left[:, -1], right[-1]
-        n = J_u.shape[0]
-        matrix, last = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
-        matrix[:n, :n], matrix[:n, n], matrix[n, :n], last[n] = J_u, self.b, self.c, 1.0
-        try:
-            right, left = np.linalg.solve(matrix, last), np.linalg.solve(matrix.T, last)
-        except np.linalg.LinAlgError:
-            raise SingularMatrix("two eigenvalues of J_u vanish") from None
-        g, v, w = float(right[n]), right[:n], left[:n]
-        sizes = math.sqrt(float(v @ v)), math.sqrt(float(w @ w))
-        if min(1.0 / sizes[0], 1.0 / sizes[1]) < _TILTED:  # c v = 1 and b w = 1
-            self.c, self.b = v / sizes[0], w / sizes[1]
-        return g, v, w
-
-
 def two_parameter(
-    residual: _Residual,
-    test: _Scalar | str,
+    residual: Residual,
+    test: Scalar | str | Array,
     u: Any,
     p: float,
     q: float,
@@ -202,9 +62,11 @@ def two_parameter(
     ----------
     residual : callable
         ``residual(u, p, q)`` returns r, or ``(r, J_u, J_p)``, or ``(r, J_u, J_p, J_q)``.
-    test : callable or {"fold"}
+    test : callable, {"fold"}, or array of shape (n, n)
         ``test(u, p, q)`` returns a number, or ``(g, g_u, g_p, g_q)`` with its derivatives; without
-        them central differences are taken. ``"fold"``: J_u is singular.
+        them central differences are taken. ``"fold"``: J_u is singular. A matrix: J_u plus that
+        matrix is singular, as 2 I for a map u -> f(u) with the residual f(u) - u where it doubles
+        the period of a fixed point.
     u, p, q : array_like, float, float
         A point near the curve, such as one with ``special == "fold"`` of a branch at this q.
 
@@ -255,13 +117,10 @@ def two_parameter(
     cusp 0.0 0.0
     bound 0.3849 1.0
     """
-    for name, function in {"residual": residual, "test": test}.items():
-        if not callable(function) and function != "fold":
-            raise OptionError(
-                f"{name} = {function!r:.60} is no function; give {name}(u, p, q)"
-                + (", or the word 'fold'" if name == "test" else "")
-            )
+    if not callable(residual):
+        raise OptionError(f"residual = {residual!r:.60} is no function; give residual(u, p, q)")
     unknowns, first = start_of(u, p)
+    test = _checked_test(test, unknowns.size)
     second = number("q", q)
     sizes = sizes_of(unknowns, first, scale, parameter_scale, bounds)
     options = checked_options(
@@ -275,16 +134,14 @@ def two_parameter(
         tolerance,
         max_newton,
     )
-    cusps = 0.0 if callable(test) else _slope_at_cusps(residual, unknowns, first, second)
+    cusps = 0.0 if not isinstance(test, str) else _slope_at_cusps(residual, unknowns, first, second)
     options = replace(options, unknown_bounds=checked_bounds(first, bounds), cusps=cusps)
-    at = _at(residual, sizes)
-    scalar = test if callable(test) else _FoldScalar(at, options.bounds)
     sizes = np.append(sizes, sizes_of(unknowns[:1], second, None, second_scale, second_bounds)[-1])
-    together = _Extended(residual, scalar, at, sizes, options.bounds)
+    together = extended(residual, test, sizes, options.bounds)
     return begin(together, np.append(unknowns, first), second, direction, sizes, options)
 
 
-def _slope_at_cusps(residual: _Residual, u: Array, p: float, q: float) -> float:
+def _slope_at_cusps(residual: Residual, u: Array, p: float, q: float) -> float:
     try:
         found = call(residual, u, p, q)
     except OutsideDomain:  # which the start is refused for
@@ -292,14 +149,15 @@ def _slope_at_cusps(residual: _Residual, u: Array, p: float, q: float) -> float:
     return _TURNS if has_derivatives(found, u.size, (3, 4)) else _TURNS_BY_DIFFERENCES
 
 
-def _at(residual: _Residual, sizes: Array) -> Callable[[float], Equations]:
-    """The equations in u and p at a value of q."""
-
-    def at(q: float) -> Equations:
-        def frozen(u: Array, p: float) -> Any:
-            found = residual(u, p, q)
-            return found[:3] if has_derivatives(found, u.size, (4,)) else found
-
-        return Equations(frozen, sizes)
-
-    return at
+def _checked_test(test: Any, n: int) -> Scalar | str | Array:
+    if callable(test):
+        found: Scalar = test
+        return found
+    if isinstance(test, str) and test == "fold":
+        return "fold"
+    if isinstance(test, np.ndarray) and test.shape == (n, n) and np.isrealobj(test):
+        return np.asarray(test, dtype=float)
+    raise OptionError(
+        f"test = {test!r:.60} is no function; give test(u, p, q), or the word 'fold', or a matrix"
+        f" of {n} rows and columns that is added to J_u"
+    )

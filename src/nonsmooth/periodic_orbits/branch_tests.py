@@ -40,7 +40,15 @@ from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["BranchTests", "Looked", "broken_tests", "is_of_word", "largest_along", "what_of"]
+__all__ = [
+    "BranchTests",
+    "Looked",
+    "broken_tests",
+    "is_of_word",
+    "largest_along",
+    "tests_of_multipliers",
+    "what_of",
+]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -266,7 +274,7 @@ class BranchTests:
         residual = equations.gap(turn, found)
         turn = Turn(found.starts.copy(), turn.instants)
         multipliers = floquet(equations, found)
-        tests = _of_multipliers(multipliers)
+        tests = tests_of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
         kept, faded = self._of_word(turn, found, beside)
         tests |= kept
@@ -425,7 +433,8 @@ class BranchTests:
         return -float(row[:n] @ behind + of_time)
 
 
-def _of_multipliers(multipliers: Floquet) -> dict[str, float]:
+def tests_of_multipliers(multipliers: Floquet) -> dict[str, float]:
+    """What vanishes where a multiplier is -1, or two of them have the product one."""
     values = multipliers.multipliers
     if not np.all(np.isfinite(values)):
         return {}

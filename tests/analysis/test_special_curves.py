@@ -1,0 +1,245 @@
+"""Points of codimension two on curves of special points, beside closed forms and another solver.
+
+Maps with closed forms are systems whose states hold still between kicks, one per unit of time.
+"""
+
+from __future__ import annotations
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+
+
+def kicked(parameters: dict[str, float], **images: str) -> ns.System:
+    """The map that takes each state to its image."""
+    reset = {"clock": "clock - 1", **images}
+    kick = ns.Exit("1 - clock", reset=reset, name="kick")
+    flow = {name: "0" for name in images} | {"clock": "1"}
+    modes = {"hold": ns.Mode(flow, exits=[kick])}
+    return ns.System(states=list(flow), parameters=parameters, modes=modes, name="kicked")
+
+
+def branch_from(system: ns.System, start: dict[str, float], name: str, between) -> object:
+    return ns.continue_orbit(system, name, between, initial=start | {"clock": 0.0}, period=1)
+
+
+def number_of(branch, kind: str) -> int:
+    return branch["special_kind"].values.tolist().index(kind)
+
+
+def found_on(curve) -> dict[str, list[tuple[float, float]]]:
+    """Values of both parameters at the special points of a curve, by their kinds."""
+    found: dict[str, list[tuple[float, float]]] = {}
+    names = curve.attrs["first_parameter"], curve.attrs["parameter"]
+    for k in range(curve.sizes["special"]):
+        row = curve.isel(special=k)
+        point = curve.isel(point=int(row["special_point"]))
+        values = tuple(float(point[name]) for name in names)
+        found.setdefault(str(row["special_kind"].values), []).append(values)
+    return found
+
+
+def henon(a: float, b: float) -> ns.System:
+    """x' = 1 - a x**2 + y, y' = b x; fixed points at a x**2 + (1 - b) x = 1."""
+    return kicked({"a": a, "b": b}, x="1 - a*x**2 + y", y="b*x")
+
+
+@pytest.fixture(scope="module")
+def over_b():
+    """Fixed points over b at a = 1: a torus point at b = -1, where the map keeps areas."""
+    b = -0.8
+    x = (-(1 - b) + np.sqrt((1 - b) ** 2 + 4)) / 2
+    return branch_from(henon(1.0, b), {"x": x, "y": b * x}, "b", (-1.5, -0.5))
+
+
+def test_torus_curve_of_henons_map(over_b):
+    """Multipliers have the product -b and the sum -2 a x: all resonances lie on b = -1.
+
+    There a x**2 + 2 x = 1, so a sum s = -2 a x of the pair is at a = s**2/4 - s.
+    """
+    curve = ns.continue_special(over_b, number_of(over_b, "torus"), "a", (-3.0, 5.0))
+    assert curve["b"].values == pytest.approx(-1.0, abs=1e-10)
+    found = found_on(curve)
+    for kind, total in (("1_3", -1.0), ("1_4", 0.0), ("1_2", -2.0), ("1_1", 2.0)):
+        ((_, a),) = found[f"resonance_{kind}"]
+        # a double multiplier is known to half the digits, the sum of the pair to all
+        assert a == pytest.approx(total**2 / 4 - total, abs=1e-9)
+    assert {curve.attrs["end_first"], curve.attrs["end_last"]} == {
+        "resonance_1_1",
+        "resonance_1_2",
+    }
+
+
+def test_fold_and_flip_curves_meet_the_torus_curve():
+    """Folds at a = -(1 - b)**2/4, flips at a = 3 (1 - b)**2/4."""
+    b = -0.8
+    for kind, factor, resonance in (("fold", -0.25, "1_1"), ("flip", 0.75, "1_2")):
+        start = -0.5 if kind == "fold" else 2.0
+        x = (-(1 - b) + np.sqrt((1 - b) ** 2 + 4 * start)) / (2 * start)
+        branch = branch_from(henon(start, b), {"x": x, "y": b * x}, "a", (-3.0, 6.0))
+        curve = ns.continue_special(branch, number_of(branch, kind), "b", (-1.6, -0.4))
+        assert curve["a"].values == pytest.approx(factor * (1 - curve["b"].values) ** 2, abs=1e-9)
+        ((a, at),) = found_on(curve)[f"resonance_{resonance}"]
+        assert at == pytest.approx(-1.0, abs=1e-9)
+        assert a == pytest.approx(4 * factor, abs=1e-9)
+
+
+def test_the_other_curve_begins_at_a_point_of_codimension_two():
+    b = -0.8
+    x = (-(1 - b) + np.sqrt((1 - b) ** 2 + 8)) / 4
+    branch = branch_from(henon(2.0, b), {"x": x, "y": b * x}, "a", (-3.0, 6.0))
+    flips = ns.continue_special(branch, number_of(branch, "flip"), "b", (-1.6, -0.4))
+    other = ns.continue_special(flips, number_of(flips, "resonance_1_2"), "b", (-1.6, -0.4))
+    assert other.attrs["special_kind"] == "torus"
+    assert other["b"].values == pytest.approx(-1.0, abs=1e-7)
+    assert float(other["a"].max() - other["a"].min()) > 0.5
+
+
+def test_fold_flip_of_two_maps_side_by_side():
+    """x' = x + mu - x**2 has a fold at mu = 0, y' = -(1 + nu) y + y**3 a flip at nu = 0."""
+    system = kicked({"mu": 0.25, "nu": -0.3}, x="x + mu - x**2", y="-(1 + nu)*y + y**3")
+    branch = branch_from(system, {"x": 0.5, "y": 0.0}, "mu", (-0.5, 1.0))
+    folds = ns.continue_special(branch, number_of(branch, "fold"), "nu", (-0.5, 0.5))
+    assert folds["mu"].values == pytest.approx(0.0, abs=1e-10)
+    ((_, nu),) = found_on(folds)["fold_flip"]
+    assert nu == pytest.approx(0.0, abs=1e-9)
+
+    flips = ns.continue_special(folds, number_of(folds, "fold_flip"), "nu", (-0.5, 0.5))
+    assert flips.attrs["special_kind"] == "flip"
+    assert flips["nu"].values == pytest.approx(0.0, abs=1e-9)
+
+
+def test_cusp():
+    """Folds of x' = x + mu + nu x - x**3 lie on 27 mu**2 = 4 nu**3."""
+    system = kicked({"mu": 0.0, "nu": 0.3}, x="x + mu + nu*x - x**3")
+    branch = branch_from(system, {"x": np.sqrt(0.3)}, "mu", (-0.5, 0.5))
+    curve = ns.continue_special(branch, number_of(branch, "fold"), "nu", (-0.2, 0.5), steps=300)
+    mu, nu = curve["mu"].values, curve["nu"].values
+    assert 27 * mu**2 == pytest.approx(4 * nu**3, abs=1e-9)
+    ((at_mu, at_nu),) = found_on(curve)["cusp"]
+    assert at_mu == pytest.approx(0.0, abs=1e-8)
+    assert at_nu == pytest.approx(0.0, abs=1e-5)
+
+
+def grazing_flip(guess: dict[str, float]) -> tuple[mp.mpf, mp.mpf]:
+    """Amplitude and frequency where an orbit of two periods with one contact touches and doubles.
+
+    The free and the touching mass are linear, so that legs are closed forms. Unknown are the
+    instant and velocity at which the contact begins, how long it lasts, the instant of the touch,
+    amplitude and frequency.
+    """
+    mp.mp.dps = 30
+    zeta, beta, e = (mp.mpf(text) for text in ("0.01", "29", "1.26"))
+
+    def leg(stiffness, level, amplitude, omega, begin, state, length):
+        """End of x'' + 2 zeta x' + stiffness x = level + amplitude sin(omega t); its matrix."""
+        free = mp.sqrt(stiffness - zeta**2)
+        size = (stiffness - omega**2) ** 2 + (2 * zeta * omega) ** 2
+        s, c = (stiffness - omega**2) / size, -2 * zeta * omega / size
+
+        def forced(t):
+            sine, cosine = mp.sin(omega * t), mp.cos(omega * t)
+            x = level / stiffness + amplitude * (s * sine + c * cosine)
+            return mp.matrix([x, amplitude * omega * (s * cosine - c * sine)])
+
+        decay, turn = mp.exp(-zeta * length), free * length
+        matrix = decay * mp.matrix(
+            [
+                [mp.cos(turn) + zeta / free * mp.sin(turn), mp.sin(turn) / free],
+                [-stiffness / free * mp.sin(turn), mp.cos(turn) - zeta / free * mp.sin(turn)],
+            ]
+        )
+        return forced(begin + length) + matrix * (state - forced(begin)), matrix
+
+    def equations(begin, velocity, length, touch, a, omega):
+        amplitude = a * omega**2
+        start = mp.matrix([e, velocity])
+        left, inside = leg(1 + beta, beta * e, amplitude, omega, begin, start, length)
+        rest = 4 * mp.pi / omega - length
+        there, _ = leg(1, 0, amplitude, omega, begin + length, left, touch - begin - length)
+        end, outside = leg(1, 0, amplitude, omega, begin + length, left, rest)
+        turn = outside * inside
+        doubles = 1 + turn[0, 0] + turn[1, 1] + mp.det(turn)
+        return [left[0] - e, there[0] - e, there[1], end[0] - e, end[1] - velocity, doubles]
+
+    names = ("begin", "velocity", "length", "touch", "a", "omega")
+    found = mp.findroot(equations, [guess[name] for name in names], tol=1e-24)
+    return found[4], found[5]
+
+
+@pytest.fixture(scope="module")
+def twice():
+    """Orbits of two periods of the soft impact oscillator."""
+    soft = ns.models.soft_impact(a=0.6)
+    return ns.continue_orbit(soft, "a", (0.1, 2.0), period=2, steps=1000)
+
+
+@pytest.fixture(scope="module")
+def flips(twice):
+    """The closed curve on which these double their period once more."""
+    places = np.flatnonzero(twice["special_kind"].values == "flip")
+    return ns.continue_special(twice, int(places[0]), "omega", (0.6, 1.2))
+
+
+def test_a_flip_curve_goes_on_through_grazing(flips):
+    """Two grazes are passed on it: an excursion appears, and vanishes at the other one."""
+    assert flips.attrs["end_first"] == flips.attrs["end_last"] == "closed"
+    assert np.abs(flips["multipliers"].values + 1.0).min(axis=1).max() < 1e-8
+    assert len(found_on(flips)["grazing_flip"]) == 2
+    assert len(set(flips["word"].values.tolist())) == 2
+    assert bool(flips["admissible"].all())
+
+
+def test_grazing_flips_beside_closed_forms(flips):
+    """Both points by a Newton method of 30 digits on other unknowns, from four digits of ours."""
+    for k in np.flatnonzero(flips["special_kind"].values == "grazing_flip"):
+        point = flips.isel(point=int(flips["special_point"][k]))
+        omega = float(point["omega"])
+        legs = [str(mode) for mode in point["word"].values.tolist().split()]
+        contact = legs.index("contact")
+        times, states = point["leg_time"].values, point["leg_states"].values
+        lowest = ns.simulate(
+            ns.models.soft_impact(a=float(point["a"]), omega=omega), point, periods=2,
+            samples_per_period=2000,
+        )  # fmt: skip
+        free = (lowest["mode"].values == 0) & (lowest["x"].values > 1.2)
+        near = np.abs(lowest["v"].values) + np.where(free, 0.0, np.inf)
+        guess = {
+            "begin": float(times[contact]),
+            "velocity": float(states[contact, 1]),
+            "length": float(point["durations"].values[contact]),
+            "touch": float(lowest["time"].values[int(np.argmin(near))]),
+            "a": float(point["a"]),
+            "omega": omega,
+        }
+        if guess["touch"] < guess["begin"]:
+            guess["touch"] += 4 * np.pi / omega
+        exact = grazing_flip({name: round(value, 4) for name, value in guess.items()})
+        assert float(point["a"]) == pytest.approx(float(exact[0]), rel=1e-8)
+        assert omega == pytest.approx(float(exact[1]), rel=1e-8)
+
+
+def test_the_grazing_curve_meets_the_flip_curve_at_the_same_points(twice, flips):
+    place = number_of(twice, "grazing")
+    curve = ns.continue_special(twice, place, "omega", (0.6, 1.2), steps=300)
+    ours = np.array(sorted(found_on(curve)["grazing_flip"]))
+    assert ours == pytest.approx(np.array(sorted(found_on(flips)["grazing_flip"])), rel=1e-8)
+
+
+def test_a_fold_curve_goes_on_through_grazing(twice):
+    curve = ns.continue_special(twice, number_of(twice, "fold"), "omega", (0.6, 1.2), steps=300)
+    value = np.abs(curve["multipliers"].values - 1.0).min(axis=1)
+    assert value.max() < 1e-3  # the other one is close where an excursion vanishes
+    assert np.median(value) < 1e-8
+    assert "grazing_fold" in found_on(curve)
+    assert len(set(curve["word"].values.tolist())) > 1
+
+
+def test_points_that_no_curve_leads_from(over_b, flips):
+    curve = ns.continue_special(over_b, number_of(over_b, "torus"), "a", (-3.0, 5.0))
+    with pytest.raises(ns.OptionError, match="resonance_1_3 point, from which no curve"):
+        ns.continue_special(curve, number_of(curve, "resonance_1_3"), "a", (-3.0, 5.0))
+    with pytest.raises(ns.OptionError, match="closed point, from which no curve"):
+        ns.continue_special(flips, number_of(flips, "closed"), "omega", (0.6, 1.2))
