@@ -234,6 +234,8 @@ def test_a_fold_curve_goes_on_through_grazing(twice):
     assert value.max() < 1e-3  # the other one is close where an excursion vanishes
     assert np.median(value) < 1e-8
     assert "grazing_fold" in found_on(curve)
+    # its orbits come to one of half their period, from which they branch off
+    assert "generalised_flip" in {curve.attrs["end_first"], curve.attrs["end_last"]}
     assert len(set(curve["word"].values.tolist())) > 1
 
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import nonsmooth as ns
 from continuation.curves import henon, henon_fixed_point, reaction, reaction_folds
 from nonsmooth.continuation import follow, two_parameter
 
@@ -148,3 +149,23 @@ def test_nan_of_a_test_ends_the_curve():
     curve = two_parameter(lambda u, p, q: u - p - q, test, 0.5, 0.5, 0.0)
     *_, last = curve
     assert curve.ended == "domain" and last.p == pytest.approx(0.3, abs=1e-5)
+
+
+def test_a_matrix_as_the_test():
+    """The map u -> p - u**2 + q u doubles the period of fixed points where q - 2 u = -1."""
+
+    def residual(u, p, q):
+        return p - u**2 + (q - 1) * u, q - 1 - 2 * u, np.ones(1), u
+
+    flips = two_parameter(
+        residual, 2.0 * np.eye(1), [0.5], 0.75, 0.0, second_bounds=(-1.0, 1.0), steps=200
+    )
+    for point in flips:
+        u, p = point.u
+        assert 2 * u == pytest.approx(1 + point.p, abs=1e-10)
+        assert p == pytest.approx(u**2 - (point.p - 1) * u, abs=1e-10)
+
+
+def test_a_matrix_of_another_size():
+    with pytest.raises(ns.OptionError, match="a matrix of 1 rows"):
+        two_parameter(lambda u, p, q: u - p, np.eye(2), 0.0, 0.0, 0.0)

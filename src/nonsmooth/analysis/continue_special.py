@@ -58,7 +58,8 @@ def continue_special(
     Parameters
     ----------
     branch : xarray.Dataset
-        Result of `continue_orbit`.
+        Result of `continue_orbit`; or one of `continue_special`, from whose points of codimension
+        two the other curve is followed that passes there.
     special : int
         Number of one of its special points, of a kind that is located by one condition: ``fold``,
         ``flip``, ``torus``, ``grazing``, ``corner``, ``gained``, ``lost``, and the four kinds
@@ -85,7 +86,11 @@ def continue_special(
     xarray.Dataset
         As of `continue_orbit`, with both parameters over ``point``: orbits on which the condition
         holds. ``special_value`` is that of the second parameter. The attribute ``special_kind``
-        says what they have in common.
+        says what they have in common. ``special_kind`` over ``special`` names points of codimension
+        two: ``cusp``, ``fold_flip``, ``fold_torus``, ``flip_torus``, ``resonance_1_1`` to
+        ``resonance_1_4``, ``grazing_fold``, ``grazing_flip``, ``grazing_torus``,
+        ``double_grazing``, and others of the same form; ``turning_point`` where the second
+        parameter turns back.
 
     Raises
     ------
@@ -100,9 +105,11 @@ def continue_special(
     Notes
     -----
     The equations of the orbit and one condition more, in one unknown more: that the Jacobian is
-    singular (a fold), or that the function vanishes by which `continue_orbit` has located the
-    point, such as det(M + 1) or the lowest value of a guard in a leg. The curve ends where another
-    of the functions that keep the word valid vanishes too: two things happen at once there.
+    singular (a fold), also for perturbations that come back with the other sign (a flip), or that
+    the function vanishes by which `continue_orbit` has located the point, such as the lowest value
+    of a guard in a leg. Where another of the functions that keep the word valid vanishes too, the
+    curve goes on with the changed word if the same condition can be met by motions there, and ends
+    if not.
 
     Examples
     --------

@@ -109,8 +109,8 @@ def make_orbit(
     )  # fmt: skip
 
 
-def primitive_parts(equations: OrbitEquations, turn: Turn) -> int:
-    """How many times a turn passes through the same shorter orbit."""
+def primitive_parts(equations: OrbitEquations, turn: Turn, within: float = _SAME) -> int:
+    """How many times a turn passes through the same shorter orbit, or nearly the same one."""
     word, count = equations.word, equations.word.n_events
     if not equations.autonomous:
         parts = [d for d in range(equations.period, 1, -1) if equations.period % d == 0]
@@ -129,7 +129,7 @@ def primitive_parts(equations: OrbitEquations, turn: Turn) -> int:
             continue
         step = count // part
         if count == 0:
-            if _repeats_smoothly(equations, turn, part, size):
+            if _repeats_smoothly(equations, turn, part, within * size):
                 return part
             continue
         starts = np.arange(first, first + count)
@@ -138,17 +138,17 @@ def primitive_parts(equations: OrbitEquations, turn: Turn) -> int:
             continue
         times = turn.instants[starts]
         gaps = (turn.instants[later] - times) % length
-        near_time = np.abs(gaps - length / part) <= _SAME * length
-        near = np.abs(states[later] - states[starts]) <= _SAME * size
+        near_time = np.abs(gaps - length / part) <= within * length
+        near = np.abs(states[later] - states[starts]) <= within * size
         if np.all(near) and np.all(near_time):
             return part
     return 1
 
 
-def _repeats_smoothly(equations: OrbitEquations, turn: Turn, part: int, size: Floats) -> bool:
+def _repeats_smoothly(equations: OrbitEquations, turn: Turn, part: int, off: Floats) -> bool:
     """Whether an orbit without events is back where it began after a part of its turn."""
     begin = turn.instants[:1]
     end = begin + (turn.instants[-1:] - begin) / part
     found = equations.legs.follow_each(equations.word, turn.states, begin, end)
     gap = np.where(equations.drifting, 0.0, found.ends[0] - turn.states[0])
-    return bool(np.all(np.abs(gap) <= _SAME * size))
+    return bool(np.all(np.abs(gap) <= off))

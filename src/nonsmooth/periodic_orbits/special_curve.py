@@ -22,6 +22,7 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError, Legs
+from nonsmooth.periodic_orbits.orbit import primitive_parts
 from nonsmooth.periodic_orbits.special_change import CurvePiece, pieces_behind
 from nonsmooth.periodic_orbits.special_condition import (
     OF_UNIT_CIRCLE,
@@ -54,6 +55,11 @@ _BETWEEN = {
     "flip": "where a multiplier is -1: a flip curve ends there, or begins",
     "torus": "where two multipliers are on the unit circle: a torus curve ends there, or begins",
 }
+_BECOMES_SHORTER = (
+    "the orbits come to one of half their period that is passed twice: on the flip curve of that"
+    " orbit, flips with a stable orbit beyond turn into flips with an unstable one there"
+)
+_NEARLY = 0.05  # part of its size by which an orbit of half the period may be missed
 _ENDS_TORUS = ("resonance_1_1", "resonance_1_2")  # beyond, the pair is real
 
 
@@ -96,7 +102,15 @@ class SpecialCurve:
                 self.ended, self.message = part.special, self._at(point, _SAID[part.special])
                 return None
         self.ended, self.message = curve.ended, self._why(curve, point)
+        if curve.ended in ("smallest_step", "singular") and self._is_repeated(piece.condition):
+            self.ended, self.message = "generalised_flip", self._at(point, _BECOMES_SHORTER)
         return None
+
+    def _is_repeated(self, condition: SpecialCondition) -> bool:
+        """Whether orbits on a fold curve have come to one of half their period, passed twice."""
+        if self.asked.kind != "fold" or not self.parts:
+            return False
+        return primitive_parts(condition.equations, self.parts[-1].looked.turn, _NEARLY) > 1
 
     def _steps_done(self) -> int:
         return sum(not part.special for part in self.parts)

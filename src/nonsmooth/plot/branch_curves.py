@@ -49,11 +49,25 @@ _MARKS: dict[str, tuple[str, str]] = {
     "sliding": ("<", PALETTE["green"]),
     "hopf": (">", PALETTE["blue"]),
     "word_change": ("h", "white"),
+    "cusp": ("*", PALETTE["vermilion"]),
+    "fold_flip": ("h", PALETTE["sky"]),
+    "fold_torus": ("h", PALETTE["green"]),
+    "flip_torus": ("h", PALETTE["yellow"]),
+    "grazing_fold": ("8", PALETTE["blue"]),
+    "grazing_flip": ("8", PALETTE["orange"]),
+    "grazing_torus": ("8", PALETTE["green"]),
+    "double_grazing": ("8", PALETTE["vermilion"]),
+    "resonance_1_1": ("P", PALETTE["blue"]),
+    "resonance_1_2": ("P", PALETTE["orange"]),
+    "resonance_1_3": ("P", PALETTE["green"]),
+    "resonance_1_4": ("P", PALETTE["purple"]),
+    "turning_point": (".", "0.4"),
     "bound": ("|", "black"),
+    "closed": ("|", "black"),
     "end": ("x", "black"),
 }
 _OTHER = ("d", "white")
-_ENDS = ("bound", "end")  # of the branch, whatever its orbits are
+_ENDS = ("bound", "closed", "end")  # of the branch, whatever its orbits are
 _NO_MOTION, _PALE = ", inadmissible", "0.85"
 _SIZE, _LEAST = 4.5, 2.8  # diameters of marks in points; where they are crowded
 _ARMS, _LINE = 1.8, 1.3  # size of marks that are mere lines, over that of others
@@ -112,7 +126,7 @@ def _shares(
     parameter = branch[branch.attrs["parameter"]].values.astype(float)
     left, right = parameter[before], parameter[np.minimum(before + 1, last)]
     # at a fold the parameter turns back, as a parabola does
-    fold = np.array([name == "fold" for name in kind], bool)
+    fold = np.isin(kind, ("fold", "turning_point"))
     to_left, to_right = np.abs(value - left), np.abs(right - value)
     to_left = np.where(fold, np.sqrt(to_left), to_left)
     to_right = np.where(fold, np.sqrt(to_right), to_right)
@@ -144,7 +158,7 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
         real = not kind.endswith(_NO_MOTION)
         colour, edge = (colour, "black") if real else (_PALE, "0.5")
         line, arms = marker in "|x", marker in "1234"
-        label = kind.replace("_", " ")
+        label = _in_words(kind)
         ax.plot(
             x[here],
             y[here],
@@ -158,6 +172,13 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
             gid=f"special {kind}",
             label="_" + label if label in known else label,
         )
+
+
+def _in_words(kind: str) -> str:
+    """A kind as it stands in a legend; resonances are written with a colon."""
+    kind, mark, behind = kind.partition(",")
+    what, *ratio = kind.split("_") if kind.startswith("resonance") else [kind]
+    return (f"{':'.join(ratio)} {what}" if ratio else kind.replace("_", " ")) + mark + behind
 
 
 class BranchCurve(NamedTuple):

@@ -205,7 +205,12 @@ def _named(branches: Branches) -> dict[str, xr.Dataset]:
     if isinstance(branches, Mapping):
         named = {str(name): one for name, one in several.items()}
     else:
-        named = {f"branch {k}": one for k, one in enumerate(several, start=1)}
+        named = {
+            f"{one.attrs['special_kind']} curve {k}"
+            if isinstance(one, xr.Dataset) and "special_kind" in one.attrs
+            else f"branch {k}": one
+            for k, one in enumerate(several, start=1)
+        }
     if not named:
         raise OptionError("branches: there is none; give a result of continue_orbit, or several")
     return named
@@ -238,7 +243,9 @@ def _explain(ax: Axes, colours: Mapping[str, str]) -> None:
     # black may be the colour of a branch
     neutral = "0.5" if len(colours) > 1 else "black"
     named = [(name, style) for name, style in KIND_STYLES.values() if f"_{name}" in drawn]
-    curves = sorted(label[1:] for label in drawn if label.endswith(" curve"))
+    # curves of special points differ by colour, and not by the kind of their lines
+    told = len(colours) > 1
+    curves = sorted(label[1:] for label in drawn if label.endswith(" curve") and not told)
     named += [(name, KIND_STYLES[SPECIAL][1]) for name in curves]
     for name, style in named:
         if name not in known:
