@@ -67,3 +67,60 @@ def test_the_determinant_of_the_orbit_is_the_sum_of_exponents():
     )
     rate = float(mpmath.log(orbit.determinant)) * 2.3 / (2 * np.pi)
     assert float(spectrum["exponent_sum"]) == pytest.approx(rate, abs=1e-9)
+
+
+def specials(branch, kind: str) -> list[float]:
+    return branch["special_value"].values[branch["special_kind"].values == kind].tolist()
+
+
+def test_a_doubled_branch_ends_where_it_comes_to_a_shorter_orbit_at_a_graze():
+    """Beyond, its orbits would be those of period one passed twice, whose branch has that graze."""
+    stops = ns.System(
+        states=["x", "v"],
+        period="2*pi/w",
+        parameters={"w": 1.35},
+        modes={
+            "free": ns.Mode(
+                {"x": "v", "v": "0.9*cos(w*t) - 0.12*v - x - 0.3*x**3"},
+                exits=[
+                    ns.Exit("0.9 - x", reset={"v": "-0.7*v"}, name="right"),
+                    ns.Exit("x + 1.4", reset={"v": "-0.7*v"}, name="left"),
+                ],
+            )
+        },
+    )
+    one = ns.continue_orbit(stops, "w", (0.6, 2.8), initial=ns.find_orbit(stops))
+    flip = max(range(one.sizes["special"]), key=lambda k: one["special_kind"].values[k] == "flip"
+               and one["special_value"].values[k])  # fmt: skip
+    two = ns.continue_orbit(stops, "w", (0.6, 2.8), initial=one, special=flip)
+    assert two.attrs["end_last"] == "halving"
+    assert "a shorter period, passed twice" in two.attrs["message"]
+    graze = specials(two, "grazing")[-1]
+    assert min(abs(graze - value) for value in specials(one, "grazing")) < 1e-7
+    # but for the ends, where it meets that branch, no orbit comes back after one period
+    for k in range(1, two.sizes["point"] - 1):
+        point = two.isel(point=k)
+        run = ns.simulate(stops, point, periods=1, parameters={"w": float(point["w"])})
+        assert np.abs(run["end_state"].values - point[["x", "v"]].to_array().values).max() > 1e-5
+
+
+def test_a_doubled_branch_is_halved_where_it_turns_back():
+    """It ends at a flip of the orbit that it doubles, which is no fold, and is not passed twice."""
+    gear = ns.System(
+        states=["q", "w"],
+        period="60/rpm",
+        parameters={"rpm": 8000.0},
+        equations={
+            "q": "w",
+            "w": "(6 + 14*cos(2*pi*rpm/60*t) - 0.9*w - 2e4*(q - clip(q, -2e-3, 2e-3)))/0.012",
+        },
+    )
+    one = ns.continue_orbit(gear, "rpm", (2000, 14000))
+    flips = specials(one, "flip")
+    flip = one["special_value"].values.tolist().index(min(flips, key=lambda v: abs(v - 3159.869)))
+    two = ns.continue_orbit(gear, "rpm", (2000, 14000), initial=one, special=flip, steps=400)
+    assert two.attrs["end_last"] == "halving"
+    (halving,) = specials(two, "halving")
+    assert min(abs(halving - value) for value in flips) < 1e-6
+    values = np.round(two["special_value"].values, 5).tolist()
+    assert len(values) == len(set(values))

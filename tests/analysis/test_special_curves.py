@@ -223,13 +223,14 @@ def test_grazing_flips_beside_closed_forms(flips):
 
 def test_the_grazing_curve_meets_the_flip_curve_at_the_same_points(twice, flips):
     place = number_of(twice, "grazing")
-    curve = ns.continue_special(twice, place, "omega", (0.6, 1.2), steps=300)
+    curve = ns.continue_special(twice, place, "omega", (0.6, 1.2), steps=400)
     ours = np.array(sorted(found_on(curve)["grazing_flip"]))
     assert ours == pytest.approx(np.array(sorted(found_on(flips)["grazing_flip"])), rel=1e-8)
 
 
 def test_a_fold_curve_goes_on_through_grazing(twice):
-    curve = ns.continue_special(twice, number_of(twice, "fold"), "omega", (0.6, 1.2), steps=300)
+    place = np.flatnonzero(twice["special_kind"].values == "fold")[-1]
+    curve = ns.continue_special(twice, int(place), "omega", (0.6, 1.2), steps=300)
     value = np.abs(curve["multipliers"].values - 1.0).min(axis=1)
     assert value.max() < 1e-3  # the other one is close where an excursion vanishes
     assert np.median(value) < 1e-8
@@ -245,3 +246,61 @@ def test_points_that_no_curve_leads_from(over_b, flips):
         ns.continue_special(curve, number_of(curve, "resonance_1_3"), "a", (-3.0, 5.0))
     with pytest.raises(ns.OptionError, match="closed point, from which no curve"):
         ns.continue_special(flips, number_of(flips, "closed"), "omega", (0.6, 1.2))
+
+
+@pytest.fixture(scope="module")
+def drill():
+    """Two masses, of which one hits the other, which rubs: a branch with a torus point."""
+    m1, m2, r = 1.0, 0.6, "r"
+    reset = {
+        "v1": f"({m1}*v1 + {m2}*v2 - {r}*{m2}*(v1 - v2))/{m1 + m2}",
+        "v2": f"({m1}*v1 + {m2}*v2 + {r}*{m1}*(v1 - v2))/{m1 + m2}",
+    }
+    flow = {"x1": "v1", "v1": "1.1*cos(w*t) - x1 - 0.1*v1",
+            "x2": "v2", "v2": "(-2*x2 - 0.1*sign(rub))/0.6"}  # fmt: skip
+    system = ns.System(
+        states=["x1", "v1", "x2", "v2"],
+        parameters={"w": 1.25, "r": 0.8},
+        period="2*pi/w",
+        modes={"run": ns.Mode(flow, exits=[ns.Exit("x2 + 0.6 - x1", reset=reset, name="blow")])},
+        surfaces={"rub": ns.Surface("v2", below="back", on="stick", above="forth", hold="1.4")},
+    )
+    return ns.continue_orbit(system, "w", (1.15, 1.5))
+
+
+def test_a_torus_curve_ends_where_its_pair_becomes_real(drill):
+    """At the 1:1 resonance, which the fold curve passes too; no neutral saddles lie on it."""
+    curve = ns.continue_special(drill, number_of(drill, "torus"), "r", (0.7, 0.95))
+    assert "resonance_1_1" in {curve.attrs["end_first"], curve.attrs["end_last"]}
+    values = curve["multipliers"].values
+    on_circle = np.abs(np.abs(values) - 1.0) < 1e-7
+    double = (
+        np.abs(values - 1.0) < 1e-3
+    )  # at the resonance, where they are known to half the digits
+    assert np.all(np.sum((on_circle & (np.abs(values.imag) > 0.0)) | double, axis=1) >= 2)
+
+    folds = ns.continue_special(drill, number_of(drill, "fold"), "r", (0.7, 0.95))
+    one, other = (np.array(found_on(each)["resonance_1_1"][0]) for each in (curve, folds))
+    assert one == pytest.approx(other, rel=1e-6)
+
+
+def test_an_event_passes_the_section_along_a_curve(drill):
+    """All orbits are motions, and come back to where they began by simulation too."""
+    curve = ns.continue_special(drill, number_of(drill, "torus"), "r", (0.7, 0.95))
+    assert len(set(curve["word"].values.tolist())) == 2
+    assert bool(curve["admissible"].all())
+    assert "grazing" not in str(curve["special_kind"].values)
+    system = ns.System.from_toml(curve.attrs["system"])
+    for k in range(0, curve.sizes["point"], 5):
+        point = curve.isel(point=k)
+        values = {name: float(point[name]) for name in ("w", "r")}
+        run = ns.simulate(system, point, periods=1, parameters=values)
+        start = point[list(system.states)].to_array().values
+        assert run["end_state"].values == pytest.approx(start, abs=1e-9)
+
+
+def test_a_curve_ends_where_only_the_motion_tells_of_a_change(drill):
+    curve = ns.continue_special(drill, number_of(drill, "flip"), "r", (0.7, 0.95))
+    assert "word_change_flip" in {curve.attrs["end_first"], curve.attrs["end_last"]}
+    with pytest.raises(ns.OptionError, match="word_change_flip point, from which no curve"):
+        ns.continue_special(curve, number_of(curve, "word_change_flip"), "r", (0.7, 0.95))

@@ -47,9 +47,9 @@ def continue_special(
     between: tuple[float, float],
     *,
     direction: str = "both",
-    steps: int = 100,
+    steps: int = 200,
     step: float = 0.01,
-    largest_step: float = 0.05,
+    largest_step: float = 0.02,
     smallest_step: float = 1e-7,
     tolerance: float = 1e-12,
 ) -> xr.Dataset:

@@ -40,6 +40,12 @@ Floats = npt.NDArray[np.float64]
 _AGAIN = 1e-6  # arclength from the start of a stretch within which its own change is seen again
 _NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
 _HALVING = "the turn passes twice through the orbit that doubles its period here"
+_SHORTER = (
+    "orbits beyond it are those of a shorter period, passed twice; their branch is that of"
+    " find_orbit with a smaller period="
+)
+_AT_HALVING = ("branch_point", "fold")  # a doubled branch turns back where it has come back
+_REPEATED = 1e-5  # part of its size within which a turn repeats a shorter orbit
 _CLOSED = 1e-5  # scaled distance from where a branch was before
 _LEAST = 1e-2  # of the size of the first orbit: smaller ones are not measured by their own
 _CLOSE = 1e-4  # of a test that is about to vanish where no step succeeds any more
@@ -154,7 +160,7 @@ class _StretchWalk:
     def _counted(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
         """A point of the branch, and where that leads."""
         name = point.special
-        if name == "branch_point" and primitive_parts(self.stretch.equations, looked.turn) > 1:
+        if name in _AT_HALVING and self.along > _AGAIN and self._is_repeated(looked):
             yield replace(self._part(looked, point, "halving", _HALVING), test="flip")
             self.ended = Followed("halving", f"the branch ends where {_HALVING}")
             return
@@ -174,10 +180,28 @@ class _StretchWalk:
         except Exception as fault:  # whatever it is, the points so far are kept
             self.ended = Followed("fault", _fault_at(self.stretch, point, fault))
             return
+        if self.following is not None and self._becomes_shorter(self.following):
+            detail = self.following.detail or "the orbit becomes a shorter one passed twice"
+            part = part or self._part(looked, point, kind_of(name), detail)
+            self.following = None
+            self.ended = Followed("halving", f"the branch ends ({kind_of(name)}): {_SHORTER}")
         if part is not None:
             yield part
-        if self.following is None:
+        if self.following is None and self.ended is None:
             self.ended = end_at(name, looked, self.stretch)
+
+    def _is_repeated(self, looked: Looked) -> bool:
+        """Whether a turn passes twice through a shorter orbit, to what a fold is located."""
+        self.stretch.set_parameter(float(looked.values[self.stretch.place]))
+        return primitive_parts(self.stretch.equations, looked.turn, _REPEATED) > 1
+
+    def _becomes_shorter(self, following: BranchStart) -> bool:
+        """Whether orbits behind a change repeat a shorter one, and those before it do not."""
+        if self._stands is None or self._is_repeated(self._stands[1]):
+            return False
+        self.stretch.set_parameter(following.value)
+        turn = following.equations.unpack(following.unknowns)
+        return primitive_parts(following.equations, turn, _REPEATED) > 1
 
     def _ordinary(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
         """A point at which the word stays; the stretch ends where its orbits have outgrown it."""

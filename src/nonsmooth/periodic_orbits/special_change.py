@@ -30,6 +30,7 @@ Floats = npt.NDArray[np.float64]
 _SHORTER = (0.1, 0.01, 1.0)  # parts of the usual duration of an excursion: short ones are nearer
 _SAME = 1e-5  # of a test: it vanishes at the change too
 _FIRST_STEPS = 2  # by which a new word is tried
+_AT_CHANGE = 1e-9  # of a test: it vanishes here
 _STEPS_BACK = 40  # to where a change is located
 _SMALL = 1e-6  # scaled step that tells which way a test grows
 
@@ -123,7 +124,7 @@ def _located_start(condition: SpecialCondition, change: Change, found: Held) -> 
     )
     here = tests.look(found.u).tests.get(change.grows, np.nan)
     nearest: tuple[Point, float] | None = None
-    for way in (1.0, -1.0) if np.isfinite(here) else ():
+    for way in (1.0, -1.0) if abs(here) > _AT_CHANGE else ():
         for each in condition.curve(_start(found, way), _STEPS_BACK, grows=change.grows):
             if nearest is not None and each.arclength >= nearest[0].arclength:
                 break

@@ -145,15 +145,13 @@ class SpecialCondition:
     def others(self, point: Point) -> Mapping[str, float]:
         """What else may vanish: tests of the word, and ``also:...`` of codimension two."""
         looked = self.look(point)
-        driven = not self.equations.word.closes_at_event
         found = {
             name: value
             for name, value in looked.tests.items()
             if name != self.test
             and is_of_word(name)
-            # on a curve of grazes the engine sees what rounding makes of them; where an event
-            # passes the section nothing happens
-            and name not in ("motion", "leg:last", "leg:0" if driven else "")
+            # on a curve of grazes the engine sees what rounding makes of them
+            and (name != "motion" or self.test in OF_UNIT_CIRCLE)
         }
         return found | {f"also:{name}": value for name, value in self._also(looked).items()}
 

@@ -149,7 +149,7 @@ class SpecialCurve:
         if name == "fold":
             return "turning_point"
         if is_of_word(name):
-            return _both(own, kind_of(name))
+            return "" if self._passes_section(name) else _both(own, kind_of(name))
         if test == name:
             return name
         values = looked.multipliers.multipliers
@@ -160,6 +160,10 @@ class SpecialCurve:
             if np.count_nonzero(np.abs(values - at) <= _DOUBLE) > 1:
                 return "resonance_1_1" if own == "fold" else "resonance_1_2"
         return _both(own, test) if is_critical(looked, test) else None
+
+    def _passes_section(self, name: str) -> bool:
+        """Whether a test tells that an event passes the section, where nothing happens."""
+        return not self.asked.options.autonomous and name in ("leg:0", "leg:last")
 
     def _is_on_curve(self, looked: Looked) -> bool:
         """Whether the multipliers are what the curve is of.
@@ -186,6 +190,8 @@ class SpecialCurve:
     ) -> CurvePiece | None:
         """The curve of orbits of a changed word; None where it ends, which is said."""
         for piece in pieces_behind(condition, point, part.looked, part.test):
+            if not part.special:
+                return piece
             name = piece.condition.equations.word.text(self.legs.system)
             part.detail += f"; the curve goes on as '{name}'"
             if piece.located is not None:  # from the regular side, where it is a simple zero
@@ -198,7 +204,7 @@ class SpecialCurve:
                 self._close()
                 return None
             return piece
-        self.ended = part.special
+        self.ended = part.special or "section"
         self.message = self._at(
             point, f"{part.detail} at the same time, and no orbits beyond meet the same condition"
         )

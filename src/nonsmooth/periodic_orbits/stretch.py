@@ -81,12 +81,12 @@ class BranchStretch:
         self.tests = BranchTests(equations, options.tolerance, grows=grows)
         self.scale = np.ones(equations.size)
         self._values = legs.values.copy()
-        self._place = list(legs.system.parameters).index(options.parameter)
+        self.place = list(legs.system.parameters).index(options.parameter)
 
     def set_parameter(self, p: float) -> None:
         """Let the legs stand for a value of the parameter."""
         values = self._values.copy()
-        values[self._place] = p
+        values[self.place] = p
         system = self.legs.system
         unmet = system.require and first_unmet(
             system.require, dict(zip(system.parameters, values.tolist(), strict=True))
