@@ -1,0 +1,269 @@
+"""`criticality`: normal forms of the special points of a branch, and what follows from them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.analysis.normal_forms.directional import Narrow
+from nonsmooth.analysis.normal_forms.normal_form import UNDECIDED, NormalForm
+from nonsmooth.analysis.normal_forms.smooth_points import KINDS, form_of_smooth
+from nonsmooth.analysis.options import result_attributes
+from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
+from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.legs import LegError, Legs
+from nonsmooth.periodic_orbits.restart import guess_of_dataset
+from nonsmooth.periodic_orbits.word_map import WordMap
+from nonsmooth.runs.options import finite_number
+from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.strobe_times import is_driven
+from nonsmooth.system.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["criticality"]
+
+
+def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Dataset:
+    r"""Tell what begins at the special points of a branch: normal forms and their coefficients.
+
+    Parameters
+    ----------
+    branch : xarray.Dataset
+        Result of `continue_orbit`.
+    special : int or str, optional
+        Number of one of its special points, or a kind: ``fold``, ``flip``, ``torus``,
+        ``symmetry_breaking`` or ``branch_point``. All points of these kinds without it.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``special``, with the number of each point in the branch as coordinate:
+
+        ``criticality``
+            ``nondegenerate`` at a fold; ``supercritical`` or ``subcritical`` at a flip, a torus and
+            a pitchfork; ``transcritical`` where two branches cross; or ``not decided``.
+        ``criticality_detail``
+            What follows in words, or the reason why nothing does.
+        ``coefficient``, ``coefficient_error``
+            Of the normal form, and how far it may be wrong. A sign within the error decides
+            nothing.
+        ``parameter_coefficient``, ``parameter_coefficient_error``
+            At a fold by how much the parameter pushes along the eigenvector; else the rate of the
+            multiplier by the parameter along the branch, of its modulus at a torus.
+        ``side``
+            Where the orbits that meet or begin at the point exist: ``above`` or ``below`` its value
+            of the parameter, or on ``both`` sides.
+        ``amplitude_factor``, ``amplitude_power``
+            These orbits lie ``amplitude_factor * distance**amplitude_power`` away from the orbit of
+            the point, along ``eigenvector``, where the distance is that of the parameter.
+        ``reach``
+            Displacement along the eigenvector for which the itinerary was found to be the same. It
+            is a tenth of the size of the orbit, or less where an event is close.
+        ``unstable_directions``
+            Number of other multipliers outside the unit circle.
+        ``rotation_angle``, ``resonance``
+            Of a torus: the angle of the multiplier, and the strong resonance close to it.
+        ``eigenvector``, ``adjoint``
+            The right eigenvector q and the left one p of the return map.
+
+    Raises
+    ------
+    OptionError
+        When the branch has no such point.
+
+    See Also
+    --------
+    continue_orbit : what gives the branch, and follows the orbits that begin at a special point.
+    continue_special : the points over a second parameter.
+
+    Notes
+    -----
+    With the return map x -> F(x, mu) of the itinerary, its derivative A, and its second and third
+    derivatives B and C, all at the special point, the coefficients are
+
+    ===================  ===========================================================================
+    fold                 <p, B(q, q)>/2
+    flip                 <p, C(q, q, q) + 3 B(q, (I - A)^-1 B(q, q))>/6; positive: supercritical
+    torus                Re e^(-i theta) <p, C(q, q, q*) + 2 B(q, (I - A)^-1 B(q, q*))
+                         + B(q*, (e^(2 i theta) I - A)^-1 B(q, q))>/2; negative: supercritical
+    pitchfork            as of a flip, the inverse taken beside q; negative: supercritical
+    ===================  ===========================================================================
+
+    with q* the conjugate of q, <q, q> = 1 and <p, q> = 1. States count in their own units and those
+    that drift do not count, so a coefficient has the unit of a state to the power of -1 or -2, and
+    its sign has none.
+
+    The first derivative is exact, through all events. Second and third derivatives are central
+    differences of it, extrapolated to no step. The displaced points have the itinerary of the
+    orbit: steps begin where that is so, and fall. ``coefficient_error`` is four times the
+    disagreement of neighbouring extrapolations, and 1e-11 of the terms for rounding.
+
+    A supercritical point gives stable orbits where ``unstable_directions`` is 0. At a torus within
+    0.01 of a strong resonance (rotation number 0, 1/2, 1/3 or 1/4) the coefficient decides nothing.
+    A result holds for the itinerary of the orbit. Where an event is close, ``reach`` is small, and
+    it holds for small amplitudes only.
+
+    References
+    ----------
+    Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 3rd edition, Springer (2004),
+    sections 4.5 to 4.7 and 5.4.
+
+    Examples
+    --------
+    The mole doubles its period, and a stable orbit of twice the period begins:
+
+    >>> import nonsmooth as ns
+    >>> branch = ns.continue_orbit(ns.models.moling(), "b", (0.1, 0.17))
+    >>> found = ns.criticality(branch, "flip")
+    >>> print(found["criticality"].values[0], found["side"].values[0])
+    supercritical below
+    """
+    numbers = _chosen(branch, special)
+    system = _system_of(branch)
+    forms = [_form(branch, system, number) for number in numbers]
+    return _dataset(branch, system, numbers, forms)
+
+
+def _chosen(branch: Any, special: Any) -> list[int]:
+    """Numbers of the special points that are meant."""
+    if not hasattr(branch, "data_vars") or "special_test" not in branch:
+        raise OptionError("branch: give a result of continue_orbit")
+    if "special_kind" in branch.attrs:
+        raise OptionError(
+            "branch: this is a curve of continue_special, on which all points are special; give a"
+            " branch of continue_orbit"
+        )
+    kinds = [str(kind) for kind in branch["special_kind"].values]
+    if special is None:
+        return [number for number, kind in enumerate(kinds) if kind in KINDS]
+    if isinstance(special, str):
+        if not is_known(special, KINDS):
+            raise OptionError(unknown_name("special kind", special, KINDS))
+        found = [number for number, kind in enumerate(kinds) if kind == special]
+        if not found:
+            raise OptionError(
+                f"special = {special!r}: the branch has no such point; its kinds are"
+                f" {', '.join(dict.fromkeys(kinds)) or 'none'}"
+            )
+        return found
+    number = finite_number("special", special)
+    if number != int(number) or not 0 <= number < len(kinds):
+        raise OptionError(
+            f"special = {special!r:.60}: the branch has {len(kinds)} special points, numbered from"
+            " 0; or give a kind, such as 'flip'"
+        )
+    if kinds[int(number)] not in KINDS:
+        raise OptionError(
+            f"special = {int(number)} is a {kinds[int(number)]} point; normal forms are known of"
+            f" the kinds {', '.join(KINDS)}"
+        )
+    return [int(number)]
+
+
+def _system_of(branch: xr.Dataset) -> System:
+    """The system of a branch, as its attributes tell."""
+    try:
+        system = System.from_toml(branch.attrs["system"])
+        name = branch.attrs["parameter"]
+        return system.with_parameters(**{name: system.parameter_values[name]})
+    except (KeyError, ModelError) as fault:
+        raise OptionError(f"branch: its attributes do not give its system: {fault}") from None
+
+
+def _form(branch: xr.Dataset, system: System, number: int) -> NormalForm:
+    """The normal form of one special point."""
+    name, kind = str(branch.attrs["parameter"]), str(branch["special_kind"].values[number])
+    point = branch.isel(point=int(branch["special_point"].values[number]))
+    there = system.with_parameters(**{name: float(point[name])})
+    guess = guess_of_dataset(there, point)
+    low, high = (float(text) for text in str(branch.attrs["between"]).split())
+    try:
+        legs = Legs(there, (name,))
+        legs.set_values(there.parameter_values)
+        equations = OrbitEquations(
+            legs, guess.word, period=int(branch.attrs["period"]),
+            phase=float(branch.attrs["phase_of_period"]),
+            autonomous=not is_driven(build_tables(there)), origin=guess.turn.states[0],
+            reference=guess.turn.states[0].copy(),
+        )  # fmt: skip
+        unknowns = equations.pack(guess.turn)
+        equations.evaluate(unknowns)  # a cycle without events gets its plane here
+        return form_of_smooth(WordMap(equations, unknowns), kind, high - low, name)
+    except (LegError, Narrow, np.linalg.LinAlgError) as fault:
+        return NormalForm(detail=str(fault))
+
+
+def _dataset(
+    branch: xr.Dataset, system: System, numbers: Sequence[int], forms: Sequence[NormalForm]
+) -> xr.Dataset:
+    """Dataset of normal forms over ``special``."""
+    import xarray as xr
+
+    name = str(branch.attrs["parameter"])
+    of_parameter = system.describe.get(name, name)
+
+    def each(values: Any, kind: Any, text: str, **words: str) -> Any:
+        return "special", np.array(list(values), kind), {"long_name": text, **words}
+
+    chosen = branch.isel(special=list(numbers))
+    variables = {key: chosen[key].variable for key in ("special_kind", "special_value")}
+    variables |= {
+        "criticality": each((f.criticality for f in forms), str, "what the normal form tells"),
+        "criticality_detail": each((f.detail for f in forms), str, "in words"),
+        "coefficient": each((f.coefficient for f in forms), float, "of the normal form"),
+        "coefficient_error": each((f.error for f in forms), float, "how far it may be wrong"),
+        "parameter_coefficient": each(
+            (f.rate for f in forms), float, f"of the normal form, by {of_parameter}"
+        ),
+        "parameter_coefficient_error": each(
+            (f.rate_error for f in forms), float, "how far it may be wrong"
+        ),
+        "side": each((f.side for f in forms), str, f"of {of_parameter}, where orbits begin"),
+        "amplitude_factor": each(
+            (f.amplitude for f in forms), float, "distance of these orbits, per power of that"
+            f" of {of_parameter}",
+        ),
+        "amplitude_power": each((f.power for f in forms), float, "that power"),
+        "reach": each(
+            (f.reach for f in forms), float, "displacement for which the itinerary is the same"
+        ),
+        "unstable_directions": each(
+            (f.outside for f in forms), int, "other multipliers outside the unit circle"
+        ),
+        "rotation_angle": each(
+            (f.angle for f in forms), float, "angle of the multiplier", units="rad"
+        ),
+        "resonance": each((f.resonance for f in forms), str, "strong resonance close by"),
+        "eigenvector": _vectors(system, [f.right for f in forms], "right eigenvector, of length 1"),
+        "adjoint": _vectors(system, [f.left for f in forms], "left eigenvector, of product 1"),
+    }  # fmt: skip
+    coords = {
+        "special": each(numbers, int, "number of the special point in the branch"),
+        "state": ("state", np.array(system.states), {"long_name": "state"}),
+    }
+    attrs = {"parameter": name, "period": int(branch.attrs["period"])}
+    return xr.Dataset(
+        variables, coords, result_attributes(system, "completed", _message(forms), attrs)
+    )
+
+
+def _vectors(system: System, vectors: Sequence[npt.NDArray[np.complex128]], text: str) -> Any:
+    """Vectors of the states that do not drift, as rows over all states."""
+    moving = [i for i, state in enumerate(system.states) if state not in system.drift_states]
+    rows = np.zeros((len(vectors), len(system.states)), complex)
+    for row, vector in zip(rows, vectors, strict=True):
+        row[moving] = vector if vector.size else np.nan
+    return ("special", "state"), rows, {"long_name": text}
+
+
+def _message(forms: Sequence[NormalForm]) -> str:
+    """How many points were decided."""
+    open_ones = sum(form.criticality == UNDECIDED for form in forms)
+    if not forms:
+        return "the branch has no special point whose normal form is known"
+    return f"{open_ones} of {len(forms)} points are not decided" if open_ones else "completed"
