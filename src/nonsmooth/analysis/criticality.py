@@ -9,8 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.normal_forms.directional import Narrow
+from nonsmooth.analysis.normal_forms.grazing import form_of_grazing
 from nonsmooth.analysis.normal_forms.normal_form import UNDECIDED, NormalForm
-from nonsmooth.analysis.normal_forms.smooth_points import KINDS, form_of_smooth
+from nonsmooth.analysis.normal_forms.smooth_points import KINDS as OF_SMOOTH
+from nonsmooth.analysis.normal_forms.smooth_points import form_of_smooth
 from nonsmooth.analysis.options import result_attributes
 from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
 from nonsmooth.periodic_orbits.equations import OrbitEquations
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = ["criticality"]
 
+KINDS = (*OF_SMOOTH, "grazing")
+
 
 def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Dataset:
     r"""Tell what begins at the special points of a branch: normal forms and their coefficients.
@@ -37,7 +41,8 @@ def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Data
         Result of `continue_orbit`.
     special : int or str, optional
         Number of one of its special points, or a kind: ``fold``, ``flip``, ``torus``,
-        ``symmetry_breaking`` or ``branch_point``. All points of these kinds without it.
+        ``symmetry_breaking``, ``branch_point`` or ``grazing``. All points of these kinds without
+        it.
 
     Returns
     -------
@@ -46,21 +51,25 @@ def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Data
 
         ``criticality``
             ``nondegenerate`` at a fold; ``supercritical`` or ``subcritical`` at a flip, a torus and
-            a pitchfork; ``transcritical`` where two branches cross; or ``not decided``.
+            a pitchfork; ``transcritical`` where two branches cross; at a graze ``continuous``,
+            ``jump``, ``period adding``, ``period adding and chaos`` or ``chaos``, see the Notes; or
+            ``not decided``.
         ``criticality_detail``
             What follows in words, or the reason why nothing does.
         ``coefficient``, ``coefficient_error``
             Of the normal form, and how far it may be wrong. A sign within the error decides
-            nothing.
+            nothing. At a graze the product of ``adjoint`` and the jump.
         ``parameter_coefficient``, ``parameter_coefficient_error``
-            At a fold by how much the parameter pushes along the eigenvector; else the rate of the
+            At a fold by how much the parameter pushes along the eigenvector; at a graze the rate
+            of the depth to which the orbit would reach behind the guard; else the rate of the
             multiplier by the parameter along the branch, of its modulus at a torus.
         ``side``
             Where the orbits that meet or begin at the point exist: ``above`` or ``below`` its value
             of the parameter, or on ``both`` sides.
         ``amplitude_factor``, ``amplitude_power``
             These orbits lie ``amplitude_factor * distance**amplitude_power`` away from the orbit of
-            the point, along ``eigenvector``, where the distance is that of the parameter.
+            the point, along ``eigenvector``, where the distance is that of the parameter. At a
+            graze it is the depth, and the vector is the jump by which motions differ a turn later.
         ``reach``
             Displacement along the eigenvector for which the itinerary was found to be the same. It
             is a tenth of the size of the orbit, or less where an event is close.
@@ -69,7 +78,8 @@ def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Data
         ``rotation_angle``, ``resonance``
             Of a torus: the angle of the multiplier, and the strong resonance close to it.
         ``eigenvector``, ``adjoint``
-            The right eigenvector q and the left one p of the return map.
+            The right eigenvector q and the left one p of the return map. At a graze the direction
+            of the jump, and the gradient of the depth by the section point.
 
     Raises
     ------
@@ -103,6 +113,25 @@ def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Data
     orbit: steps begin where that is so, and fall. ``coefficient_error`` is four times the
     disagreement of neighbouring extrapolations, and 1e-11 of the terms for rounding.
 
+    At a graze the guard H has no rate and the curvature c = d^2 H/dt^2. A motion that reaches the
+    depth d behind it differs a turn later by E d^s from one without the guard:
+
+    ===================  ====  ==================================================================
+    rigid wall           1/2   E = -(2/c)^(1/2) Phi (R' f - f), with the reset R
+    force that jumps     1/2   E = 2 (c/c') (2/c)^(1/2) Phi (f' - f), with c' behind the guard
+    force that grows     3/2   E = -(4/3) (2/c)^(1/2) Phi w, where f' - f = w H at first
+    ===================  ====  ==================================================================
+
+    with the rates f before and f' behind the guard, and the derivative Phi of the section point by
+    the state at the touch. With n the gradient of the depth and A the return map without impacts,
+    a multiplier grows as n E s d^(s - 1). With the power 3/2 it is continuous. With 1/2 what begins
+    follows from the signs of n A^k E, if the orbit is stable before: where one is positive a
+    deeper impact follows (``jump``). Where none is, the largest multiplier m is real, and there is
+    a small attractor: m < 1/4 gives a sequence of stable orbits, one for each period from some on
+    (``period adding``), m < 2/3 the same with chaos between them, larger m ``chaos``. These
+    limits belong to the map close to the graze. A touch behind which a relation sets a state, or
+    where contacts last, is not decided.
+
     A supercritical point gives stable orbits where ``unstable_directions`` is 0. At a torus within
     0.01 of a strong resonance (rotation number 0, 1/2, 1/3 or 1/4) the coefficient decides nothing.
     A result holds for the itinerary of the orbit. Where an event is close, ``reach`` is small, and
@@ -112,6 +141,18 @@ def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Data
     ----------
     Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 3rd edition, Springer (2004),
     sections 4.5 to 4.7 and 5.4.
+
+    A. B. Nordmark, Non-periodic motion caused by grazing incidence in an impact oscillator, Journal
+    of Sound and Vibration 145 (1991).
+
+    W. Chin, E. Ott, H. E. Nusse and C. Grebogi, Grazing bifurcations in impact oscillators,
+    Physical Review E 50 (1994).
+
+    M. H. Fredriksson and A. B. Nordmark, Bifurcations caused by grazing incidence in many degrees
+    of freedom impact oscillators, Proceedings of the Royal Society A 453 (1997).
+
+    M. di Bernardo, C. J. Budd, A. R. Champneys and P. Kowalczyk, Piecewise-smooth Dynamical
+    Systems, Springer (2008).
 
     Examples
     --------
@@ -193,7 +234,11 @@ def _form(branch: xr.Dataset, system: System, number: int) -> NormalForm:
         )  # fmt: skip
         unknowns = equations.pack(guess.turn)
         equations.evaluate(unknowns)  # a cycle without events gets its plane here
-        return form_of_smooth(WordMap(equations, unknowns), kind, high - low, name)
+        near, width = WordMap(equations, unknowns), high - low
+        if kind == "grazing":
+            test = str(branch["special_test"].values[number])
+            return form_of_grazing(near, test, width, name)
+        return form_of_smooth(near, kind, width, name)
     except (LegError, Narrow, np.linalg.LinAlgError) as fault:
         return NormalForm(detail=str(fault))
 

@@ -58,7 +58,15 @@ class WordMap:
         self._others = np.setdiff1d(np.arange(equations.size), self._closing)
         self._scale = scale_of(equations, unknowns)
         self._tests = BranchTests(equations, 1e-12, whole=False)
-        self._watched = self._watch()
+        self.set_parameter(self.value)
+        kept = {
+            name: value
+            for name, value in self._tests.look(unknowns).tests.items()
+            if is_of_word(name)
+        }
+        # what is about to change the word at the orbit itself
+        self.vanishing = {name for name, value in kept.items() if abs(value) <= _POINTLESS}
+        self._watched = {name: value for name, value in kept.items() if value > _POINTLESS}
 
     @property
     def value(self) -> float:
@@ -75,12 +83,12 @@ class WordMap:
         unknowns = self.unknowns.copy()
         unknowns[self.moving] = point
         try:
-            self._set(value)
+            self.set_parameter(value)
             return self._image(unknowns)
         except (LegError, np.linalg.LinAlgError):
             return None
         finally:
-            self._set(self.value)
+            self.set_parameter(self.value)
 
     def _image(self, unknowns: Floats) -> Image | None:
         """Solve for the events on the way by Newton's method, and follow their derivatives."""
@@ -116,24 +124,17 @@ class WordMap:
         value of a guard within a leg is no test where it has none.
         """
         try:
-            self._set(value)
+            self.set_parameter(value)
             tests = self._tests.look(image.unknowns).tests
         except LegError:
             return np.nan
         finally:
-            self._set(self.value)
+            self.set_parameter(self.value)
         found = [tests[name] / here for name, here in self._watched.items() if name in tests]
         return min(found, default=1.0)
 
-    def _watch(self) -> dict[str, float]:
-        """Tests that keep the word valid, at the orbit."""
-        self._set(self.value)
-        tests = self._tests.look(self.unknowns).tests
-        return {
-            name: value for name, value in tests.items() if is_of_word(name) and value > _POINTLESS
-        }
-
-    def _set(self, value: float) -> None:
+    def set_parameter(self, value: float) -> None:
+        """Let the legs stand for a value of the parameter."""
         values = self._values.copy()
         values[self._place] = value
         self.equations.legs.set_values(values)

@@ -16,7 +16,15 @@ import numpy.typing as npt
 
 from nonsmooth.periodic_orbits.word_map import Image, WordMap
 
-__all__ = ["ROUNDING", "Differences", "Estimate", "Narrow", "differences", "extrapolate"]
+__all__ = [
+    "ROUNDING",
+    "Differences",
+    "Estimate",
+    "Narrow",
+    "derivative",
+    "differences",
+    "extrapolate",
+]
 
 Floats = npt.NDArray[np.float64]
 
@@ -74,13 +82,27 @@ def differences(near: WordMap, along: Floats, by_parameter: float, width: float)
         raise Narrow(step * size)
     centre = _derivatives(_image(near, 0.0 * along, 0.0))
     first, second = [], []
-    for h in step / _RATIO ** np.arange(_LEVELS):
+    for h in _steps(step):
         ahead, behind = (
             _derivatives(_image(near, way * along, way * by_parameter)) for way in (h, -h)
         )
         first.append((ahead - behind) / (2.0 * h))
         second.append((ahead - 2.0 * centre + behind) / h**2)
     return Differences(np.array(first), np.array(second), step, step < largest)
+
+
+def derivative(function: Callable[[float], npt.ArrayLike], longest: float) -> list[Estimate]:
+    """Derivative at zero of each entry of a function, by steps up to a longest one."""
+    pairs = [(np.atleast_1d(function(h)), np.atleast_1d(function(-h))) for h in _steps(longest)]
+    slopes = [
+        (ahead - behind) / (2.0 * h)
+        for h, (ahead, behind) in zip(_steps(longest), pairs, strict=True)
+    ]
+    return [extrapolate(lambda d: d[0], [column[:, None]]) for column in np.array(slopes).T]
+
+
+def _steps(longest: float) -> Floats:
+    return np.asarray(longest / _RATIO ** np.arange(_LEVELS))
 
 
 def _image(near: WordMap, away: Floats, by_parameter: float) -> Image:

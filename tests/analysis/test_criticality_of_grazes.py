@@ -1,0 +1,263 @@
+"""Power laws of grazes and what follows, beside closed forms, motions and iterated maps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import nonsmooth as ns
+from nonsmooth.analysis.normal_forms.grazing import scenario_behind
+from nonsmooth.analysis.normal_forms.touch import Touch
+
+R, STIFFNESS, PRELOAD = 0.8, 30.0, 0.7
+
+
+class Driven:
+    """x'' + 2 zeta x' + x = cos(omega t) below a wall at sigma, in closed form."""
+
+    def __init__(self, omega: float, zeta: float) -> None:
+        self.omega, self.zeta = omega, zeta
+        self.reach = 1.0 / np.hypot(1 - omega**2, 2 * zeta * omega)
+        self.period = 2 * np.pi / omega
+        # cos(omega t - lag): the lowest place of the guard is where the phase is lag
+        self.lag = np.arctan2(2 * zeta * omega, 1 - omega**2)
+        self.touch = (self.lag / omega) % self.period
+        self.matrix = np.array([[0.0, 1.0], [-1.0, -2 * zeta]])
+        self.curvature = self.reach * omega**2
+        # sigma - x at the touch, by the start of the period
+        self.gradient = expm(self.matrix * self.touch)[0]
+        self.behind = expm(self.matrix * (self.period - self.touch))
+
+    @property
+    def start(self) -> np.ndarray:
+        """Section point of the free orbit."""
+        return self.reach * np.array([np.cos(self.lag), self.omega * np.sin(self.lag)])
+
+    def jump(self, kind: str) -> np.ndarray:
+        """What the section point gains per power of the depth."""
+        c = self.curvature
+        speed = {
+            # the speed sqrt(2 c d) at the wall becomes -R times that
+            "rigid": -(1 + R) * np.sqrt(2 * c),
+            # the stop pushes by STIFFNESS (x - sigma), whose integral is this
+            "soft": -STIFFNESS * (4 / 3) * np.sqrt(2 / c),
+            # a force PRELOAD, under which the speed turns round in another time
+            "preloaded": -PRELOAD * 2 * c / (c + PRELOAD) * np.sqrt(2 / c),
+        }[kind]
+        return self.behind @ np.array([0.0, speed])
+
+    def system(self, kind: str) -> ns.System:
+        pull = "cos(omega*t) - 2*zeta*v - x"
+        push = {"soft": f"{STIFFNESS}*(x - sigma)", "preloaded": f"{PRELOAD}"}.get(kind)
+        if push is None:
+            wall = ns.Exit("sigma - x", reset={"v": f"-{R}*v"}, name="impact")
+            modes = {"free": ns.Mode({"x": "v", "v": pull}, exits=[wall])}
+        else:
+            modes = {
+                "free": ns.Mode({"x": "v", "v": pull}, exits=[ns.Exit("sigma - x", to="pushed")]),
+                "pushed": ns.Mode(
+                    {"x": "v", "v": f"{pull} - {push}"}, exits=[ns.Exit("x - sigma", to="free")]
+                ),
+            }
+        parameters = {"omega": self.omega, "zeta": self.zeta, "sigma": 2 * self.reach}
+        return ns.System(states=["x", "v"], modes=modes, parameters=parameters, period="2*pi/omega")
+
+
+DRIVEN = Driven(2.0, 0.1)
+KINDS = {"rigid": 0.5, "preloaded": 0.5, "soft": 1.5}
+
+
+def graze_of(driven: Driven, kind: str):
+    system = driven.system(kind)
+    between = (0.7 * driven.reach, 2.1 * driven.reach)
+    branch = ns.continue_orbit(system, "sigma", between, direction="down")
+    return system, branch, ns.criticality(branch, "grazing").isel(special=0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("driven", [DRIVEN, Driven(0.7, 0.25)], ids=["above", "below"])
+def test_the_vectors_of_a_graze_in_closed_form(driven, kind):
+    """Beside matrix exponentials; the engine has 1e-12, and a curvature by differences 1e-10."""
+    _, _, found = graze_of(driven, kind)
+    assert float(found["special_value"]) == pytest.approx(driven.reach, rel=1e-12)
+    assert float(found["amplitude_power"]) == KINDS[kind]
+    jump = driven.jump(kind)
+    assert found["adjoint"].values.real == pytest.approx(driven.gradient, rel=1e-9)
+    made = float(found["amplitude_factor"]) * found["eigenvector"].values.real
+    assert made == pytest.approx(jump, rel=1e-8)
+    exact = driven.gradient @ jump
+    assert abs(float(found["coefficient"]) - exact) <= 1e-8 * np.abs(driven.gradient * jump).sum()
+    assert float(found["parameter_coefficient"]) == pytest.approx(-1.0, abs=1e-9)
+    assert str(found["side"].item()) == "below"
+
+
+def after_one_period(system, state, sigma):
+    run = ns.simulate(system, dict(zip("xv", state, strict=True)), periods=1,
+                      parameters={"sigma": sigma})  # fmt: skip
+    return run["end_state"].values
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_motions_leave_as_the_power_law_says(kind):
+    """A motion that reaches a little deeper, beside the same one without the wall."""
+    system, _, found = graze_of(DRIVEN, kind)
+    n, power = found["adjoint"].values.real, float(found["amplitude_power"])
+    jump = float(found["amplitude_factor"]) * found["eigenvector"].values.real
+    depths = np.array([1e-9, 1e-8, 1e-7, 1e-6])
+    ratios = []
+    for depth in depths:
+        start = DRIVEN.start + depth * n / (n @ n)
+        struck = after_one_period(system, start, DRIVEN.reach)
+        free = after_one_period(system, start, 10.0)
+        ratios.append((struck - free) @ jump / (jump @ jump) / depth**power)
+    # the next term is by the root of the depth smaller
+    assert np.abs(np.array(ratios) - 1.0) == pytest.approx(0.0, abs=10 * np.sqrt(depths.max()))
+    slope = np.diff(np.log(ratios)) / np.diff(np.log(depths))
+    assert np.abs(slope[0]) < 1e-3
+
+
+def test_the_multiplier_grows_as_the_coefficient_over_the_root():
+    """Of orbits with one impact of the speed s the depth is s^2/2c."""
+    system, _, found = graze_of(DRIVEN, "rigid")
+    close = (DRIVEN.reach * (1 - 1e-6), DRIVEN.reach * (1 + 1e-6))
+    branch = ns.continue_orbit(
+        system, "sigma", close, direction="down", parameters={"sigma": close[1]}
+    )
+    struck = np.flatnonzero(branch["leg_exit"].isel(leg=0).values == "impact")
+    # sizes of the multipliers are looked at where the derivative is mostly that of the root
+    depths, largest = [], []
+    for k in struck:
+        point = branch.isel(point=int(k))
+        speed = float(point["leg_states"].isel(leg=1).sel(state="v")) / R
+        values = point["multipliers"].values
+        depths.append(speed**2 / (2 * DRIVEN.curvature))
+        largest.append(values[np.argmax(np.abs(values))].real)
+    near = (np.array(depths) < 1e-9) & (np.array(depths) > 1e-14)
+    assert np.count_nonzero(near) >= 2
+    expected = float(found["coefficient"]) / (2 * np.sqrt(np.array(depths)[near]))
+    # the other parts of the derivative are of order one
+    assert np.array(largest)[near] == pytest.approx(expected, abs=2.0)
+    assert np.abs(expected).min() > 100.0
+
+
+def touch_of(jacobian, gradient, jump) -> Touch:
+    return Touch(0.5, np.array(gradient), np.array(jump), np.array(jacobian), 0.0)
+
+
+def depths_and_exponents(touch: Touch, distances, turns=4000):
+    """Largest depth, over the distance, and the exponent of x -> A x + E sqrt(n x + distance)."""
+    a, n, e = touch.jacobian, touch.gradient, touch.jump
+    x = np.zeros((distances.size, n.size))
+    v = np.tile(np.linspace(1.0, 2.0, n.size), (distances.size, 1))
+    total, deepest = np.zeros(distances.size), np.zeros(distances.size)
+    for turn in range(2 * turns):
+        depth = x @ n + distances
+        struck = depth > 0.0
+        root = np.sqrt(np.where(struck, depth, 1.0))
+        v = v @ a.T + np.where(struck, (v @ n) / (2 * root), 0.0)[:, None] * e
+        x = x @ a.T + np.where(struck, root, 0.0)[:, None] * e
+        length = np.linalg.norm(v, axis=1)
+        v /= length[:, None]
+        if turn >= turns:
+            total += np.log(length)
+            deepest = np.maximum(deepest, depth)
+    return deepest / distances, total / turns
+
+
+def turned(radius, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return radius * np.array([[c, -s], [s, c]])
+
+
+DISTANCES = np.geomspace(1e-9, 1e-8, 60)
+
+
+@pytest.mark.parametrize(
+    ("word", "jacobian", "gradient", "jump"),
+    [
+        ("period adding", [[0.1]], [1.0], [-1.0]),
+        ("period adding", [[0.24]], [1.0], [-1.0]),
+        ("period adding", np.diag([0.2, 0.15]), [1.0, 1.0], [-0.2, -0.5]),
+        ("period adding and chaos", [[0.3]], [1.0], [-1.0]),
+        ("period adding and chaos", [[0.6]], [1.0], [-1.0]),
+        ("period adding and chaos", np.diag([0.5, 0.3]), [1.0, 1.0], [-1.0, -0.2]),
+        ("chaos", [[0.69]], [1.0], [-1.0]),
+        ("chaos", np.diag([0.8, 0.5]), [1.0, 1.0], [-1.0, 0.5]),
+        ("chaos", np.diag([0.8, -0.3]), [1.0, 1.0], [-1.0, -0.2]),
+        ("jump", np.diag([0.5, 0.3]), [1.0, 1.0], [-1.0, 2.0]),
+        ("jump", np.diag([0.8, -0.9]), [1.0, 1.0], [-1.0, -0.2]),
+        ("jump", turned(0.9, 0.3), [1.0, 0.0], [-1.0, 0.0]),
+        ("jump", turned(0.5, 2.0), [1.0, 0.0], [-1.0, 0.0]),
+    ],
+)
+def test_scenarios_are_those_of_the_iterated_map(word, jacobian, gradient, jump):
+    """The map with the root itself, a little beyond the graze, for many distances."""
+    touch = touch_of(jacobian, gradient, jump)
+    found, _ = scenario_behind(touch, "beyond")
+    assert found == word
+    deepest, exponent = depths_and_exponents(touch, DISTANCES)
+    if word == "jump":
+        assert deepest.min() > 1e3  # far deeper than the parameter is beyond the graze
+        return
+    assert deepest.max() < 1.0 + 1e-9
+    chaotic = np.mean(exponent > 1e-3)
+    if word == "period adding":
+        assert chaotic == 0.0
+    elif word == "chaos":
+        assert chaotic == 1.0
+    else:
+        # of distances that are each a ratio of the multiplier apart, some are in each window
+        wide = np.geomspace(1e-9, 1e-7, 2000)
+        _, exponent = depths_and_exponents(touch, wide)
+        assert 0.0 < np.mean(exponent > 1e-3) < 1.0
+
+
+def test_an_unstable_orbit_and_a_sign_within_rounding_are_not_decided():
+    for jacobian, jump, text in (
+        ([[1.2]], [-1.0], "unstable before"),
+        (np.diag([0.5, 0.5]), [-1.0, 1.0], "within rounding"),
+    ):
+        word, detail = scenario_behind(touch_of(jacobian, np.ones(len(jump)), jump), "beyond")
+        assert word == "not decided"
+        assert text in detail
+
+
+OVERDAMPED = {"period adding": 2.0, "period adding and chaos": 6.0, "chaos": 12.0}
+
+
+@pytest.mark.parametrize("word", OVERDAMPED)
+def test_scenarios_of_an_overdamped_oscillator(word):
+    """zeta = 1.2: the multipliers are exp(-T (zeta -+ sqrt(zeta^2 - 1)))."""
+    driven = Driven(OVERDAMPED[word], 1.2)
+    system, _, found = graze_of(driven, "rigid")
+    largest = np.exp(-driven.period * (1.2 - np.sqrt(1.2**2 - 1)))
+    expected = "period adding" if largest < 1 / 4 else "chaos" if largest > 2 / 3 else word
+    assert expected == word
+    assert str(found["criticality"].item()) == word
+    assert f"{largest:.4g}" in str(found["criticality_detail"].item())
+    beyond = 1e-6 * driven.reach * np.geomspace(1.0, 1.0 / largest, 5)[:-1]
+    for distance in beyond:
+        at = {"sigma": driven.reach - distance}
+        run = ns.simulate(system, {"x": driven.start[0], "v": driven.start[1]}, periods=600,
+                          parameters=at)  # fmt: skip
+        speeds = run["state_before"].sel(state="v").values
+        # the attractor is small: no impact reaches deeper than the free motion would
+        assert speeds[len(speeds) // 2 :].max() ** 2 / (2 * driven.curvature) < 1.1 * distance
+        if word == "period adding":
+            assert ns.regime(system, parameters=at)["regime"].item() == "periodic"
+        if word == "chaos":
+            spectrum = ns.lyapunov_spectrum(system, parameters=at, transient=500, record=2000)
+            assert float(spectrum["lyapunov_exponent"][0]) > 0.0
+
+
+def test_behind_a_jump_impacts_are_fast():
+    system, _, found = graze_of(DRIVEN, "rigid")
+    assert str(found["criticality"].item()) == "jump"
+    distance = 1e-9
+    run = ns.simulate(
+        system, dict(zip("xv", DRIVEN.start, strict=True)), periods=2000,
+        parameters={"sigma": DRIVEN.reach - distance},
+    )  # fmt: skip
+    speeds = run["state_before"].sel(state="v").values
+    assert speeds[len(speeds) // 2 :].max() ** 2 / (2 * DRIVEN.curvature) > 1e4 * distance
