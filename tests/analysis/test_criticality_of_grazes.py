@@ -261,3 +261,64 @@ def test_behind_a_jump_impacts_are_fast():
     )  # fmt: skip
     speeds = run["state_before"].sel(state="v").values
     assert speeds[len(speeds) // 2 :].max() ** 2 / (2 * DRIVEN.curvature) > 1e4 * distance
+
+
+def self_excited(coupling: float) -> ns.System:
+    """Van der Pol's oscillator below a wall, which passes marks, with a state that follows it."""
+    rates = {"x": "v", "v": "0.5*(1 - x**2)*v - x + k*z", "z": "x - 0.4*z"}
+    wall = ns.Exit("sigma - x", reset={"v": f"-{R}*v"}, name="impact")
+    return ns.System(
+        states=["x", "v", "z"],
+        parameters={"sigma": 3.0, "k": coupling},
+        modes={
+            "down": ns.Mode(rates, exits=[wall, ns.Exit("x + 0.5", to="low", name="falls")]),
+            "low": ns.Mode(rates, exits=[ns.Exit("0.5 - x", to="down", name="rises")]),
+        },
+    )
+
+
+def test_the_graze_of_a_cycle_without_forcing():
+    """Motions that begin at the section beside the cycle, with and without the wall."""
+    system = self_excited(-0.2)
+    branch = ns.continue_orbit(
+        system, "sigma", (1.5, 3.1), initial={"x": 1.0, "v": 0.0, "z": 0.0}, direction="down"
+    )
+    found = ns.criticality(branch, "grazing").isel(special=0)
+    assert float(found["amplitude_power"]) == 0.5
+    place = int(branch["special_point"][int(found["special"])])
+    start = np.array([float(branch[name][place]) for name in system.states])
+    sigma = float(found["special_value"])
+    n = found["adjoint"].values.real
+    jump = float(found["amplitude_factor"]) * found["eigenvector"].values.real
+    mode = str(branch["word"].values[place]).split()[0]
+    section = [str(name) for name in branch["leg_exit"].values[place] if name][-1]
+
+    def at_section(wall: float, state) -> np.ndarray:
+        """Where the motion comes through the section again."""
+        run = ns.simulate(
+            system, dict(zip(system.states, state, strict=True)), t_end=15.0, mode=mode,
+            parameters={"sigma": wall},
+        )  # fmt: skip
+        passed = (run["event_name"].values == section) & (run["event_time"].values > 0.1)
+        return run["state_after"].values[int(np.flatnonzero(passed)[0])]
+
+    for depth in (1e-9, 1e-7):
+        # along the section, on which x stays
+        moved = start + depth * np.array([0.0, n[1], n[2]]) / (n[1] ** 2 + n[2] ** 2)
+        off = at_section(sigma, moved) - at_section(3.0, moved)
+        ratio = (off @ jump) / (jump @ jump) / np.sqrt(depth)
+        assert ratio == pytest.approx(1.0, abs=20 * np.sqrt(depth))
+
+
+def test_a_kick_along_the_motion_leaves_no_root():
+    """In the plane a graze without forcing is at v = 0, where the motion itself is along v."""
+    whole = self_excited(0.0)
+    rates = {"x": "v", "v": "0.5*(1 - x**2)*v - x"}
+    modes = {name: ns.Mode(rates, exits=mode.exits) for name, mode in whole.modes.items()}
+    system = ns.System(states=["x", "v"], parameters={"sigma": 3.0}, modes=modes)
+    branch = ns.continue_orbit(
+        system, "sigma", (1.5, 3.1), initial={"x": 1.0, "v": 0.0}, direction="down"
+    )
+    found = ns.criticality(branch, "grazing").isel(special=0)
+    assert found["criticality"].item() == "not decided"
+    assert "along the motion" in found["criticality_detail"].item()

@@ -39,7 +39,7 @@ def form_of_grazing(near: WordMap, test: str, width: float, name: str) -> Normal
         return NormalForm(detail="the orbit touches something else too: two things happen at once")
     try:
         touch = touch_of(near, leg, guard)
-        depth = _rate_of_depth(near, leg, guard, touch, width)
+        depth = _rate_of_depth(near, leg, guard, width)
     except NoTouch as fault:
         return NormalForm(detail=str(fault))
     length = float(np.linalg.norm(touch.jump))
@@ -66,7 +66,7 @@ def form_of_grazing(near: WordMap, test: str, width: float, name: str) -> Normal
     return form
 
 
-def _rate_of_depth(near: WordMap, leg: int, guard: int, touch: Touch, width: float) -> Estimate:
+def _rate_of_depth(near: WordMap, leg: int, guard: int, width: float) -> Estimate:
     """Rate of the depth by the parameter, along the branch of orbits without the touch."""
     image = near.image(near.start, near.value)
     assert image is not None

@@ -28,6 +28,8 @@ __all__ = [
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
 
+_NOTHING = 1e-30  # of the largest entry of a matrix
+
 
 class Critical(NamedTuple):
     """The multiplier of a fixed point that is on the unit circle, with its eigenvectors."""
@@ -38,26 +40,31 @@ class Critical(NamedTuple):
     others: Complexes  # the other multipliers, without the conjugate
 
 
-def critical(jacobian: Floats, target: complex | None) -> Critical:
-    """The multiplier nearest to 1 or -1; without a target, of pairs nearest to the circle."""
-    values, vectors = np.linalg.eig(jacobian)
-    values = values.astype(complex)
+def critical(jacobian: Floats, sizes: Floats, target: complex | None) -> Critical:
+    """The multiplier nearest to 1 or -1; without a target, of pairs nearest to the circle.
+
+    sizes: what counts as large for each state
+    """
+    scaled = jacobian * sizes / sizes[:, None]
+    # what an event wipes out is left as 1e-200 or so, by which LAPACK would balance the matrix
+    scaled = np.where(np.abs(scaled) > _NOTHING * np.abs(scaled).max(), scaled, 0.0)
+    values = np.linalg.eigvals(scaled).astype(complex)
     if target is None:
         pairs = np.where(values.imag > 0.0, np.abs(np.abs(values) - 1.0), np.inf)
         place = int(np.argmin(pairs))
     else:
         place = int(np.argmin(np.abs(values - target)))
-    value, right = complex(values[place]), vectors[:, place].astype(complex)
-    by_left, left_vectors = np.linalg.eig(jacobian.T)
-    left = left_vectors[:, int(np.argmin(np.abs(by_left - np.conj(value))))].astype(complex)
+    value = complex(values[place])
+    left, _, right = np.linalg.svd(scaled - value * np.eye(sizes.size))
+    q, p = np.conj(right[-1]) * sizes, left[:, -1] / sizes
     # the largest entry real and positive, so that numbers do not depend on the library
-    right = right / np.linalg.norm(right)
-    right = right * np.conj(right[np.argmax(np.abs(right))]) / np.abs(right).max()
-    left = left / np.conj(np.vdot(left, right))
+    largest = q[np.argmax(np.abs(q))]
+    q = q * np.conj(largest) / (abs(largest) * np.linalg.norm(q))
+    p = p / np.conj(np.vdot(p, q))
     rest = np.delete(values, place)
     if value.imag != 0.0:
         rest = np.delete(rest, int(np.argmin(np.abs(rest - np.conj(value)))))
-    return Critical(value, right, left, rest)
+    return Critical(value, q.astype(complex), p.astype(complex), rest)
 
 
 def quadratic(here: Critical, b: Floats) -> Floats:

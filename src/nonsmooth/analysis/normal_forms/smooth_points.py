@@ -39,6 +39,7 @@ _TARGETS = {
 _CRITICAL = {"fold": 1e-3, "symmetry_breaking": 1e-3, "branch_point": 1e-3}
 _CRITICAL_ELSE = 1e-5
 _SECOND = 1e-6  # distance of another multiplier from the unit circle: two things at once
+_HALF_DIGITS = 1e-6  # of the sizes of the states: how far from a crossing its point may lie
 _RESONANT = 0.01  # distance of the rotation number from 1/4, 1/3, 1/2 and 1, in turns
 _RESONANCES = {"1:1": 0.0, "1:2": 1 / 2, "1:3": 1 / 3, "1:4": 1 / 4}
 
@@ -77,7 +78,7 @@ def form_of_smooth(near: WordMap, kind: str, width: float, name: str) -> NormalF
     if image is None or not np.all(np.isfinite(image.by_start)):
         return NormalForm(detail="the return map has no derivative at this point")
     target = _TARGETS[kind]
-    here = critical(image.by_start, target)
+    here = critical(image.by_start, near.sizes, target)
     distance = abs(abs(here.multiplier) - 1.0) if target is None else abs(here.multiplier - target)
     form = NormalForm(
         outside=int(np.count_nonzero(np.abs(here.others) > 1.0 + _SECOND)),
@@ -160,23 +161,28 @@ def _torus(point: _CriticalPoint, form: NormalForm, lines: Differences) -> None:
 
 def _symmetry_breaking(point: _CriticalPoint, form: NormalForm, lines: Differences) -> None:
     slope = solve_beside(point.here, point.jacobian, point.image.by_parameter)
-    _pitchfork(point, form, lines, _rate(point, slope))
+    _fill(form, _cubic(point, lines), _rate(point, slope))
+    _judge(form, point, -form.coefficient, "pair of orbits")
 
 
 def _branch_point(point: _CriticalPoint, form: NormalForm, lines: Differences) -> None:
     """A transcritical crossing, or a pitchfork where its quadratic coefficient vanishes.
 
-    Branches along s q + h solve a s^2 + d s + e = 0, h being the part of their slope beside q.
+    Branches along s q + h solve a s^2 + d s + e = 0, h being the part of their slope beside q. A
+    crossing is located to half the digits along q, which leaves a part of the cubic coefficient in
+    the quadratic one.
     """
     q, p = point.here.right.real, point.here.left.real
     found = extrapolate(lambda d: quadratic(point.here, d[0][:, :-1]), [lines.first])
-    slope = solve_beside(
-        point.here, point.jacobian,
-        point.image.by_parameter - (p @ point.image.by_parameter) * q,
-    )  # fmt: skip
+    cubic = _cubic(point, lines)
+    off = _HALF_DIGITS / max(float(np.abs(q / point.near.sizes).max()), 1e-300)
+    found = Estimate(found.value, found.error + 3.0 * off * (abs(cubic.value) + cubic.error))
+    by_parameter = point.image.by_parameter
+    slope = solve_beside(point.here, point.jacobian, by_parameter - (p @ by_parameter) * q)
     mixed = _rate(point, slope)
     if not found.decided:
-        _pitchfork(point, form, lines, mixed)
+        _fill(form, cubic, mixed)
+        _judge(form, point, -form.coefficient, "pair of orbits")
         return
     beside, whole = point.along(slope, 1.0), np.append(slope, 1.0)
     bend = extrapolate(lambda d: p * (d[0] @ whole) / 2.0, [beside.first])
@@ -184,28 +190,25 @@ def _branch_point(point: _CriticalPoint, form: NormalForm, lines: Differences) -
     doubt = 2.0 * abs(mixed.value) * mixed.error + 4.0 * (
         abs(found.value) * bend.error + abs(bend.value) * found.error
     )
-    rate = Estimate(float(np.sqrt(max(square, 0.0))), doubt / max(2.0 * abs(square) ** 0.5, 1e-300))
-    _fill(form, point.blurred(found), rate)
     if not square > doubt:
         form.detail = "whether two branches cross here is within the error of their slopes"
         return
+    _fill(form, found, Estimate(float(np.sqrt(square)), doubt / (2.0 * float(np.sqrt(square)))))
     form.criticality, form.side = "transcritical", "both"
-    form.amplitude, form.power = rate.value / abs(found.value), 1.0
+    form.amplitude, form.power = form.rate / abs(found.value), 1.0
     form.detail = (
         "two branches cross and exchange their stability: on either side of"
         f" {point.name} = {point.near.value:.10g} there are both orbits"
     )
 
 
-def _pitchfork(point: _CriticalPoint, form: NormalForm, lines: Differences, rate: Estimate) -> None:
-    found = point.blurred(
+def _cubic(point: _CriticalPoint, lines: Differences) -> Estimate:
+    return point.blurred(
         extrapolate(
             lambda d: cubic_of_crossing(point.here, point.jacobian, d[0][:, :-1], d[1][:, :-1]),
             [lines.first, lines.second],
         )
     )
-    _fill(form, found, rate)
-    _judge(form, point, -form.coefficient, "pair of orbits")
 
 
 def _rate(point: _CriticalPoint, slope: Floats) -> Estimate:

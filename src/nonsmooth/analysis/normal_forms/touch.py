@@ -107,11 +107,14 @@ def touch_of(near: WordMap, leg: int, guard: int) -> Touch:
     behind = events[leg]
     for event, flow in zip(events[leg + 1 :], factors.flow[leg + 1 :], strict=True):
         behind = event @ flow @ behind
+    moved = left[stays] @ kick[near.moving]
+    jump = behind @ moved
+    if np.all(np.abs(jump) <= _NONE * (np.abs(behind) @ np.abs(moved))):
+        raise NoTouch(
+            "nothing of this power is left a turn later, as where the kick is along the motion"
+        )
     gradient = -contact.before.row[near.moving] @ contact.before.flow[stays] @ before
-    return Touch(
-        power, gradient, behind @ left[stays] @ kick[near.moving],
-        behind @ factors.flow[leg] @ before, error,
-    )  # fmt: skip
+    return Touch(power, gradient, jump, behind @ factors.flow[leg] @ before, error)
 
 
 def _closing(near: WordMap, found: LegResults, last: Floats) -> Floats:
@@ -157,10 +160,13 @@ def _contact(near: WordMap, leg: int, guard: int) -> _Grazed:
     def rate(later: float) -> float:
         return _pass(near, mode, (guard,), turn.states[leg], begin, time + later).rate
 
+    row = _pass(near, mode, (guard,), turn.states[leg], begin, time).row
+    whole = float(turn.instants[-1] - turn.instants[0])
+    # as of a guard that is touched for a while, or all along, by rounding
+    least = _NONE * float(np.abs(row[near.moving]) @ near.sizes) / whole**2
     for _ in range(_NEWTON):
         (curvature,) = derivative(rate, span)
-        least = _NONE * max(abs(rate(span)), abs(rate(-span))) / span
-        if not curvature.value > max(least, curvature.error):
+        if not curvature.value > max(least, 2.0 * curvature.error):
             raise NoTouch("the guard is touched without a positive curvature over time")
         step = -rate(0.0) / curvature.value
         time += step
