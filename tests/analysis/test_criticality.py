@@ -181,6 +181,40 @@ def test_a_pitchfork_pushed_by_a_slaved_direction():
     assert_within(found, 0, 1.0)
 
 
+def beside_a_guard(off: float) -> ns.System:
+    """The logistic map, with another mode for states that lie below its fixed point by ``off``."""
+    resets = {"u": "r*u*(1 - u)", "s": "0"}
+    tick, tock = (ns.Exit("1 - s", to=to, reset=resets, name=to) for to in ("above", "above"))
+    return ns.System(
+        states=["u", "s"],
+        parameters={"r": 2.5, "off": off},
+        modes={
+            "above": ns.Mode(
+                {"u": "0", "s": "1"}, exits=[tick, ns.Exit("u - 1 + 1/r + off", to="below")]
+            ),
+            "below": ns.Mode({"u": "0", "s": "1"}, exits=[tock]),
+        },
+    )
+
+
+@pytest.mark.parametrize("off", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7])
+def test_steps_shrink_before_the_itinerary_changes(off):
+    """The same coefficient as without the guard, with errors that grow and are kept."""
+    _, found = of_map(beside_a_guard(off), "r", (2.4, 3.4), {"u": 0.6}, mode="above")
+    k = found["special_kind"].values.tolist().index("flip")
+    assert abs(float(found["coefficient"][k]) - 9.0) <= float(found["coefficient_error"][k])
+    # the largest step is halved until both ends are above
+    assert 0.5 * off < float(found["reach"][k]) <= off
+    assert "its itinerary was found the same for" in found["criticality_detail"].values[k]
+
+
+def test_a_flip_at_a_change_of_the_itinerary_is_not_decided():
+    _, found = of_map(beside_a_guard(1e-11), "r", (2.4, 3.4), {"u": 0.6}, mode="above")
+    k = found["special_kind"].values.tolist().index("flip")
+    assert found["criticality"].values[k] == "not decided"
+    assert "two things happen at once" in found["criticality_detail"].values[k]
+
+
 def test_a_linear_flip_is_not_decided():
     """All orbits of twice the period exist at the flip itself: the coefficient is zero."""
     _, found = of_map(clocked({"u": "-r*u"}, {"r": 0.5}), "r", (0.2, 1.4), {"u": 0.0})

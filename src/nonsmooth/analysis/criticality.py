@@ -93,44 +93,49 @@ def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Data
 
     Notes
     -----
-    With the return map x -> F(x, mu) of the itinerary, its derivative A, and its second and third
-    derivatives B and C, all at the special point, the coefficients are
+    Let A be the derivative of the return map of the itinerary at the special point, B and C its
+    second and third derivatives, :math:`A q = \lambda q`, :math:`A^T p = \bar\lambda p`,
+    :math:`\langle q, q\rangle = 1` and :math:`\langle p, q\rangle = 1`. The coefficients are
 
-    ===================  ===========================================================================
-    fold                 <p, B(q, q)>/2
-    flip                 <p, C(q, q, q) + 3 B(q, (I - A)^-1 B(q, q))>/6; positive: supercritical
-    torus                Re e^(-i theta) <p, C(q, q, q*) + 2 B(q, (I - A)^-1 B(q, q*))
-                         + B(q*, (e^(2 i theta) I - A)^-1 B(q, q))>/2; negative: supercritical
-    pitchfork            as of a flip, the inverse taken beside q; negative: supercritical
-    ===================  ===========================================================================
+    .. math::
 
-    with q* the conjugate of q, <q, q> = 1 and <p, q> = 1. States count in their own units and those
-    that drift do not count, so a coefficient has the unit of a state to the power of -1 or -2, and
-    its sign has none.
+        \text{fold:} && & \tfrac12 \langle p, B(q, q)\rangle, \\
+        \text{flip:} && & \tfrac16 \langle p, C(q, q, q) + 3 B(q, (I - A)^{-1} B(q, q))\rangle, \\
+        \text{torus:} && & \tfrac12 \operatorname{Re} e^{-i\theta} \langle p, C(q, q, \bar q)
+        + 2 B(q, (I - A)^{-1} B(q, \bar q)) + B(\bar q, (e^{2i\theta} I - A)^{-1} B(q, q))\rangle.
+
+    A flip is supercritical where its coefficient is positive, a torus where it is negative. At a
+    pitchfork the formula is that of the flip, with the inverse taken beside q, and a negative
+    coefficient is supercritical. States count in their own units, and those that drift do not
+    count. So a coefficient has the unit of a state to the power of -1 or -2, and its sign does not
+    depend on units.
 
     The first derivative is exact, through all events. Second and third derivatives are central
     differences of it, extrapolated to no step. The displaced points have the itinerary of the
     orbit: steps begin where that is so, and fall. ``coefficient_error`` is four times the
-    disagreement of neighbouring extrapolations, and 1e-11 of the terms for rounding.
+    disagreement of neighbouring extrapolations, with what rounding does.
 
-    At a graze the guard H has no rate and the curvature c = d^2 H/dt^2. A motion that reaches the
-    depth d behind it differs a turn later by E d^s from one without the guard:
+    At a graze the guard H has no rate and the curvature :math:`c = d^2 H/dt^2`. A motion that
+    reaches the depth d behind it differs a turn later by :math:`E d^s` from one without the guard:
 
-    ===================  ====  ==================================================================
-    rigid wall           1/2   E = -(2/c)^(1/2) Phi (R' f - f), with the reset R
-    force that jumps     1/2   E = 2 (c/c') (2/c)^(1/2) Phi (f' - f), with c' behind the guard
-    force that grows     3/2   E = -(4/3) (2/c)^(1/2) Phi w, where f' - f = w H at first
-    ===================  ====  ==================================================================
+    .. math::
 
-    with the rates f before and f' behind the guard, and the derivative Phi of the section point by
-    the state at the touch. With n the gradient of the depth and A the return map without impacts,
-    a multiplier grows as n E s d^(s - 1). With the power 3/2 it is continuous. With 1/2 what begins
-    follows from the signs of n A^k E, if the orbit is stable before: where one is positive a
-    deeper impact follows (``jump``). Where none is, the largest multiplier m is real, and there is
-    a small attractor: m < 1/4 gives a sequence of stable orbits, one for each period from some on
-    (``period adding``), m < 2/3 the same with chaos between them, larger m ``chaos``. These
-    limits belong to the map close to the graze. A touch behind which a relation sets a state, or
-    where contacts last, is not decided.
+        \text{rigid wall:} && s &= 1/2, & E &= -\sqrt{2/c}\, \Phi (R' f - f), \\
+        \text{force that jumps:} && s &= 1/2, & E &= 2 (c/c') \sqrt{2/c}\, \Phi (f' - f), \\
+        \text{force that grows:} && s &= 3/2, & E &= -\tfrac43 \sqrt{2/c}\, \Phi w.
+
+    Here f are the rates before the guard, f' and c' those and the curvature behind it, R' is the
+    derivative of the reset, and :math:`f' - f = w H` at first; :math:`\Phi` is the derivative of
+    the section point by the state at the touch. With the gradient n of the depth by the section
+    point, a multiplier grows as :math:`s \, (n E) \, d^{s - 1}`.
+
+    With the power 3/2 multipliers are continuous. With 1/2 what begins follows from the signs of
+    :math:`n A^k E`, if the orbit is stable before, A being without impacts. Where one is positive a
+    deeper impact follows, and no attractor stays close (``jump``). Where none is, the largest
+    multiplier m is real, and there is a small attractor. For m < 1/4 it is a sequence of stable
+    orbits, one for each period from some on (``period adding``), for m < 2/3 the same with chaos
+    between them, for larger m ``chaos``. These limits belong to the map close to the graze. A touch
+    behind which a relation sets a state, or where contacts last, is not decided.
 
     A supercritical point gives stable orbits where ``unstable_directions`` is 0. At a torus within
     0.01 of a strong resonance (rotation number 0, 1/2, 1/3 or 1/4) the coefficient decides nothing.

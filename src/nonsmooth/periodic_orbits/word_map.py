@@ -16,6 +16,7 @@ from nonsmooth.periodic_orbits.branch_tests import BranchTests, is_of_word
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.newton import row_scale, scale_of, size_of
+from nonsmooth.periodic_orbits.onto import chatters
 
 __all__ = ["Image", "WordMap"]
 
@@ -24,6 +25,7 @@ Integers = npt.NDArray[np.int64]
 
 _STEPS = 12  # of Newton's method, from an orbit close by
 _SOLVED = 1e-10  # residual, beside the states, above which there is no image
+_BESIDE = 1e-4  # of the sizes of the states
 _POINTLESS = 1e-9  # a test of the word that is less than this at the orbit itself says nothing
 
 
@@ -58,12 +60,7 @@ class WordMap:
         self._others = np.setdiff1d(np.arange(equations.size), self._closing)
         self._scale = scale_of(equations, unknowns)
         self._tests = BranchTests(equations, 1e-12, whole=False)
-        self.set_parameter(self.value)
-        kept = {
-            name: value
-            for name, value in self._tests.look(unknowns).tests.items()
-            if is_of_word(name)
-        }
+        kept = self._of_word()
         # what is about to change the word at the orbit itself
         self.vanishing = {name for name, value in kept.items() if abs(value) <= _POINTLESS}
         self._watched = {name: value for name, value in kept.items() if value > _POINTLESS}
@@ -133,6 +130,27 @@ class WordMap:
         found = [tests[name] / here for name, here in self._watched.items() if name in tests]
         return min(found, default=1.0)
 
+    def _of_word(self) -> dict[str, float]:
+        """Tests of the word at the orbit.
+
+        One that is zero there tells something where it is not so beside the orbit, so motions there
+        are looked at first. Rebounds before rest are left out, as they are as short as one likes,
+        and an event that passes the section, where nothing happens.
+        """
+        word, wiring = self.equations.word, self.equations.legs.tables.wiring
+        rebounds = {k for each in chatters(word.modes, word.paths, wiring) for k in each}
+        for part in (_BESIDE, -_BESIDE):
+            image = self.image(self.start + part * self.sizes, self.value)
+            if image is not None:
+                self._tests.look(image.unknowns)
+        found = self._tests.look(self.unknowns).tests
+        passing = () if word.closes_at_event else ("leg:0", "leg:last")
+        return {
+            name: value
+            for name, value in found.items()
+            if is_of_word(name) and name not in passing and _leg_of(name) not in rebounds
+        }
+
     def set_parameter(self, value: float) -> None:
         """Let the legs stand for a value of the parameter."""
         values = self._values.copy()
@@ -149,3 +167,9 @@ class WordMap:
             jacobian[-1] += normal @ jacobian[rows]
             moved[-1] += normal @ moved[rows]
         return residual, jacobian, moved
+
+
+def _leg_of(name: str) -> int:
+    """The leg that a test is about; -1 for none."""
+    numbers = [int(each) for each in name.split(":")[1:] if each.isdigit()]
+    return numbers[0] if numbers else -1

@@ -33,6 +33,8 @@ _RATIO = 1.5  # of one step to the next
 _LARGEST = 0.1  # of the sizes of the states, and of the parameter
 _HALVINGS = 30  # of the largest step, until the word is the same at both ends
 _SAFETY = 4.0  # times the difference of neighbours in the extrapolation
+_EPS = 4.0 * float(np.finfo(float).eps)  # of derivatives of the image: their rounding
+_PATTERNS = 4  # of signs, by which rounding is tried out
 ROUNDING = 1e-11  # of the terms: orbit and eigenvectors are known to about that
 
 
@@ -43,14 +45,21 @@ class Narrow(ArithmeticError):
         super().__init__(f"the itinerary changes within {within:.1e} of the size of the orbit")
 
 
+class Rows(NamedTuple):
+    """Differences over falling steps, and what rounding may be in each of their entries."""
+
+    values: Floats  # (K, ...)
+    rounding: Floats  # (K,)
+
+
 class Differences(NamedTuple):
     """Differences of the derivatives of the image along a line, for each of its steps.
 
-    The last column is the derivative by the parameter.
+    Values are (K, m, m + 1); the last column is the derivative by the parameter.
     """
 
-    first: Floats  # (K, m, m + 1)
-    second: Floats  # (K, m, m + 1)
+    first: Rows
+    second: Rows
     reach: float  # largest step, in lengths of the direction, with one itinerary on both sides
     narrow: bool  # whether another itinerary lies closer than orbits are displaced
 
@@ -82,23 +91,32 @@ def differences(near: WordMap, along: Floats, by_parameter: float, width: float)
         raise Narrow(step * size)
     centre = _derivatives(_image(near, 0.0 * along, 0.0))
     first, second = [], []
-    for h in _steps(step):
+    steps = _steps(step)
+    for h in steps:
         ahead, behind = (
             _derivatives(_image(near, way * along, way * by_parameter)) for way in (h, -h)
         )
         first.append((ahead - behind) / (2.0 * h))
         second.append((ahead - 2.0 * centre + behind) / h**2)
-    return Differences(np.array(first), np.array(second), step, step < largest)
+    rounding = _EPS * float(np.abs(centre).max())
+    return Differences(
+        Rows(np.array(first), rounding / steps), Rows(np.array(second), 2.0 * rounding / steps**2),
+        step, step < largest,
+    )  # fmt: skip
 
 
 def derivative(function: Callable[[float], npt.ArrayLike], longest: float) -> list[Estimate]:
     """Derivative at zero of each entry of a function, by steps up to a longest one."""
-    pairs = [(np.atleast_1d(function(h)), np.atleast_1d(function(-h))) for h in _steps(longest)]
-    slopes = [
-        (ahead - behind) / (2.0 * h)
-        for h, (ahead, behind) in zip(_steps(longest), pairs, strict=True)
+    steps = _steps(longest)
+    ahead, behind = (
+        np.array([np.atleast_1d(function(way * h)) for h in steps]) for way in (1.0, -1.0)
+    )
+    slopes = (ahead - behind) / (2.0 * steps[:, None])
+    rounding = _EPS * np.abs(ahead).max(axis=0)
+    return [
+        extrapolate(lambda d: d[0], [Rows(column[:, None], size / steps)])
+        for column, size in zip(slopes.T, rounding, strict=True)
     ]
-    return [extrapolate(lambda d: d[0], [column[:, None]]) for column in np.array(slopes).T]
 
 
 def _steps(longest: float) -> Floats:
@@ -126,32 +144,54 @@ def _keeps_word(near: WordMap, away: Floats, by_parameter: float) -> bool:
     return True
 
 
-def extrapolate(terms: Callable[[Sequence[Floats]], Floats], made_of: Sequence[Floats]) -> Estimate:
+def extrapolate(terms: Callable[[Sequence[Floats]], Floats], made_of: Sequence[Rows]) -> Estimate:
     """A sum of terms that are made of differences, at no step.
 
-    made_of: differences, each (K, ...) over falling steps; ``terms`` takes one of each
+    made_of: differences; ``terms`` takes one row of each
     """
-    rows = [list(each) for each in made_of]
+    rows = list(made_of)
     table = [_sums(terms, rows)]
     best = Estimate(float(table[0][-1, 0]), np.inf)
     for order in range(1, _LEVELS):
-        share = 1.0 / (_RATIO ** (2 * order) - 1.0)
-        rows = [
-            [row[k + 1] + share * (row[k + 1] - row[k]) for k in range(len(row) - 1)]
-            for row in rows
-        ]
+        rows = [_next_order(each, 1.0 / (_RATIO ** (2 * order) - 1.0)) for each in rows]
         table.append(_sums(terms, rows))
-        (here, sizes), before = table[order].T, table[order - 1][:, 0]
+        (here, doubt), before = table[order].T, table[order - 1][:, 0]
         for k in range(1, here.size):
             # three neighbours: two may agree by chance
             apart = (here[k] - here[k - 1], here[k] - before[k + 1], here[k] - before[k])
-            error = _SAFETY * float(np.max(np.abs(apart))) + ROUNDING * float(sizes[k])
+            error = _SAFETY * float(np.max(np.abs(apart))) + float(doubt[k])
             if error < best.error:
                 best = Estimate(float(here[k]), error)
     return best
 
 
-def _sums(terms: Callable[[Sequence[Floats]], Floats], rows: list[list[Floats]]) -> Floats:
-    """Sums of terms and of their sizes, (K, 2)."""
-    found = [terms([row[k] for row in rows]) for k in range(len(rows[0]))]
-    return np.array([(each.sum(), np.abs(each).sum()) for each in found])
+def _next_order(rows: Rows, share: float) -> Rows:
+    """The next column of the extrapolation."""
+    values, rounding = rows
+    return Rows(
+        values[1:] + share * (values[1:] - values[:-1]),
+        (1.0 + share) * rounding[1:] + share * rounding[:-1],
+    )
+
+
+def _sums(terms: Callable[[Sequence[Floats]], Floats], rows: list[Rows]) -> Floats:
+    """Sums of terms, and what rounding may be in them, (K, 2).
+
+    Rounding of the differences is tried out by adding it with some patterns of signs.
+    """
+    signs = np.random.default_rng(0)
+    patterns = [
+        [signs.choice([-1.0, 1.0], each.values.shape[1:]) for each in rows]
+        for _ in range(_PATTERNS)
+    ]
+    found = []
+    for k in range(len(rows[0].values)):
+        parts = terms([each.values[k] for each in rows])
+        total, size = float(parts.sum()), float(np.abs(parts).sum())
+        moved = [
+            terms([e.values[k] + e.rounding[k] * s for e, s in zip(rows, pattern, strict=True)])
+            for pattern in patterns
+        ]
+        doubt = max(abs(float(each.sum()) - total) for each in moved)
+        found.append((total, 2.0 * doubt + ROUNDING * size))
+    return np.array(found)

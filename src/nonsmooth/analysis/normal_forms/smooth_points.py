@@ -92,6 +92,9 @@ def form_of_smooth(near: WordMap, kind: str, width: float, name: str) -> NormalF
     if np.any(np.abs(np.abs(here.others) - 1.0) <= _SECOND):
         form.detail = "another multiplier lies on the unit circle too: two things happen at once"
         return form
+    if near.vanishing:
+        form.detail = "the itinerary changes at this point too: two things happen at once"
+        return form
     point = _CriticalPoint(near, image, here, width, name, distance)
     lines = point.along(here.right.real)
     form.reach, form.narrow = lines.reach, lines.narrow
