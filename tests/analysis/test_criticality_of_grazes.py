@@ -251,6 +251,21 @@ def test_scenarios_of_an_overdamped_oscillator(word):
             assert float(spectrum["lyapunov_exponent"][0]) > 0.0
 
 
+def test_periods_grow_by_one_towards_the_graze():
+    """With each factor m^2 of the distance: m^n sqrt(d) is as large as d after n turns."""
+    driven = Driven(OVERDAMPED["period adding"], 1.2)
+    system = driven.system("rigid")
+    largest = np.exp(-driven.period * (1.2 - np.sqrt(1.2**2 - 1)))
+    periods = []
+    for k in range(4):
+        at = {"sigma": driven.reach * (1.0 - 1e-5 * largest ** (2 * k))}
+        found = ns.regime(system, parameters=at)
+        assert found["regime"].item() == "periodic"
+        assert float(found["impacts"]) * int(found["period"]) == pytest.approx(1.0)
+        periods.append(int(found["period"]))
+    assert np.diff(periods).tolist() == [1, 1, 1]
+
+
 def test_behind_a_jump_impacts_are_fast():
     system, _, found = graze_of(DRIVEN, "rigid")
     assert str(found["criticality"].item()) == "jump"
