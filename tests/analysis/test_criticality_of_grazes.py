@@ -251,6 +251,75 @@ def test_scenarios_of_an_overdamped_oscillator(word):
             assert float(spectrum["lyapunov_exponent"][0]) > 0.0
 
 
+DAMPER = 0.05
+
+
+def plated(driven: Driven) -> ns.System:
+    """A plate without mass on a spring and a damper, at which the mass pushes as 2 xi v + q."""
+    pull = "cos(omega*t) - 2*zeta*v - x"
+    return ns.System(
+        states=["x", "v", "q"],
+        period="2*pi/omega",
+        parameters={
+            "omega": driven.omega, "zeta": driven.zeta, "xi": DAMPER, "sigma": 2 * driven.reach,
+        },
+        modes={
+            "free": ns.Mode(
+                {"x": "v", "v": pull, "q": "-q/(2*xi)"},
+                exits=[ns.Exit("q + sigma - x", to="contact")],
+            ),
+            "contact": ns.Mode(
+                {"v": f"{pull} - 2*xi*v - q", "q": "v"},
+                slaved={"x": "q + sigma"},
+                exits=[ns.Exit("2*xi*v + q", to="free")],
+            ),
+        },
+    )  # fmt: skip
+
+
+def test_a_plate_without_mass_leaves_what_is_as_large_as_the_depth():
+    """The force 2 xi sqrt(2 c d) falls to zero in sqrt(2 d/c): v loses 2 xi d, and q gains d."""
+    system = plated(DRIVEN)
+    between = (0.7 * DRIVEN.reach, 2.1 * DRIVEN.reach)
+    branch = ns.continue_orbit(system, "sigma", between, direction="down")
+    found = ns.criticality(branch, "grazing").isel(special=0)
+    assert float(found["amplitude_power"]) == 1.0
+    relaxed = np.exp(-(DRIVEN.period - DRIVEN.touch) / (2 * DAMPER))
+    jump = np.append(DRIVEN.behind @ [0.0, -2 * DAMPER], relaxed)
+    made = float(found["amplitude_factor"]) * found["eigenvector"].values.real
+    assert made == pytest.approx(jump, rel=1e-8, abs=1e-10)
+    n = found["adjoint"].values.real
+    assert n[:2] == pytest.approx(DRIVEN.gradient, rel=1e-9)
+    start = np.append(DRIVEN.start, 0.0)
+    for depth in (1e-10, 1e-8, 1e-6):
+        moved = start + depth * n / (n @ n)
+        state = dict(zip(system.states, moved, strict=True))
+        struck, free = (
+            ns.simulate(system, state, periods=1, parameters={"sigma": sigma})["end_state"].values
+            for sigma in (DRIVEN.reach, 10.0)
+        )
+        ratio = (struck - free) @ jump / (jump @ jump) / depth
+        assert ratio == pytest.approx(1.0, abs=50 * np.sqrt(depth) + 1e-13 / depth)
+    assert found["criticality"].item() == "continuous"
+
+
+def test_multipliers_of_the_mole_jump_at_a_graze():
+    """To what those behind it come to as the contact becomes short."""
+    mole = ns.models.moling()
+    branch = ns.continue_orbit(mole, "b", (0.1, 0.17), direction="up")
+    found = ns.criticality(branch, "grazing").isel(special=0)
+    assert found["criticality"].item() == "nonsmooth fold"
+    behind = float(str(found["criticality_detail"].item()).split()[-1])
+    place = int(branch["special_point"][int(found["special"])])
+    value, first = float(branch["b"][place]), branch.isel(point=place + 1)
+    close = ns.continue_orbit(mole, "b", (value, value + 6e-7), initial=first, largest_step=0.02)
+    contact = close["durations"].where(close["leg_mode"] == close["leg_mode"][0, 1]).min("leg")
+    largest = close["multipliers"].values[:, 0].real
+    assert contact.min() < 0.06
+    line = np.polynomial.Polynomial.fit(contact.values, largest, 3)
+    assert float(line(0.0)) == pytest.approx(behind, abs=0.02)
+
+
 def test_periods_grow_by_one_towards_the_graze():
     """With each factor m^2 of the distance: m^n sqrt(d) is as large as d after n turns."""
     driven = Driven(OVERDAMPED["period adding"], 1.2)

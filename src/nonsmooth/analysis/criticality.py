@@ -52,8 +52,8 @@ def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Data
         ``criticality``
             ``nondegenerate`` at a fold; ``supercritical`` or ``subcritical`` at a flip, a torus and
             a pitchfork; ``transcritical`` where two branches cross; at a graze ``continuous``,
-            ``jump``, ``period adding``, ``period adding and chaos`` or ``chaos``, see the Notes; or
-            ``not decided``.
+            ``nonsmooth fold``, ``jump``, ``period adding``, ``period adding and chaos`` or
+            ``chaos``, see the Notes; or ``not decided``.
         ``criticality_detail``
             What follows in words, or the reason why nothing does.
         ``coefficient``, ``coefficient_error``
@@ -122,20 +122,28 @@ def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Data
 
         \text{rigid wall:} && s &= 1/2, & E &= -\sqrt{2/c}\, \Phi (R' f - f), \\
         \text{force that jumps:} && s &= 1/2, & E &= 2 (c/c') \sqrt{2/c}\, \Phi (f' - f), \\
-        \text{force that grows:} && s &= 3/2, & E &= -\tfrac43 \sqrt{2/c}\, \Phi w.
+        \text{force that grows:} && s &= 3/2, & E &= -\tfrac43 \sqrt{2/c}\, \Phi w, \\
+        \text{plate without mass:} && s &= 1, & E &= (2/c)\, \Phi
+        (\rho^2 \dot u'/2 - \rho \dot u).
 
     Here f are the rates before the guard, f' and c' those and the curvature behind it, R' is the
     derivative of the reset, and :math:`f' - f = w H` at first; :math:`\Phi` is the derivative of
-    the section point by the state at the touch. With the gradient n of the depth by the section
+    the section point by the state at the touch. In the last row a relation sets a state, as that of
+    a plate without mass, until a force is zero. There :math:`u = f' - f` vanishes at the touch; it
+    changes by :math:`\dot u` before and :math:`\dot u'` within a contact, which lasts the part
+    :math:`\rho` of the time to the lowest point. With the gradient n of the depth by the section
     point, a multiplier grows as :math:`s \, (n E) \, d^{s - 1}`.
 
-    With the power 3/2 multipliers are continuous. With 1/2 what begins follows from the signs of
-    :math:`n A^k E`, if the orbit is stable before, A being without impacts. Where one is positive a
-    deeper impact follows, and no attractor stays close (``jump``). Where none is, the largest
-    multiplier m is real, and there is a small attractor. For m < 1/4 it is a sequence of stable
-    orbits, one for each period from some on (``period adding``), for m < 2/3 the same with chaos
-    between them, for larger m ``chaos``. These limits belong to the map close to the graze. A touch
-    behind which a relation sets a state, or where contacts last, is not decided.
+    With the power 3/2 multipliers are continuous. With the power 1 they jump, from those of A to
+    those of :math:`A + E n^T`. The orbit goes on with the contact (``continuous``), or it turns
+    back (``nonsmooth fold``) where :math:`n (I - A)^{-1} E > 1`. A is without impacts.
+
+    With 1/2 what begins follows from the signs of :math:`n A^k E`, if the orbit is stable before.
+    Where one is positive a deeper impact follows, and no attractor stays close (``jump``). Where
+    none is, the largest multiplier m is real, and there is a small attractor. For m < 1/4 it is a
+    sequence of stable orbits, one for each period from some on (``period adding``), for m < 2/3 the
+    same with chaos between them, for larger m ``chaos``. These limits belong to the map close to
+    the graze. A touch behind which contacts last is not decided.
 
     A supercritical point gives stable orbits where ``unstable_directions`` is 0. At a torus within
     0.01 of a strong resonance (rotation number 0, 1/2, 1/3 or 1/4) the coefficient decides nothing.

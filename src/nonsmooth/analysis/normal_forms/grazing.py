@@ -23,7 +23,7 @@ _SHARE = 1e-3  # of the parameter's width: the longest step by which the depth i
 
 
 def form_of_grazing(near: WordMap, test: str, width: float, name: str) -> NormalForm:
-    """The power law of a graze, and for the power 1/2 the scenario behind it.
+    """The power law of a graze, and what begins behind it.
 
     test: what vanishes there, by the name of `BranchTests`
     """
@@ -55,7 +55,9 @@ def form_of_grazing(near: WordMap, test: str, width: float, name: str) -> Normal
     if depth.decided:
         form.side = side_of(depth.value)
     where = f"{form.side} {name} = {near.value:.10g}" if form.side else "behind the graze"
-    if touch.power > 1.0:
+    if touch.power == 1.0:
+        form.criticality, form.detail = _at_a_corner(touch, where)
+    elif touch.power > 1.0:
         form.criticality = "continuous"
         form.detail = (
             f"the orbit goes on, with one more contact {where}: the depth to the power of 3/2"
@@ -87,6 +89,33 @@ def _rate_of_depth(near: WordMap, leg: int, guard: int, width: float) -> Estimat
 
     (rate,) = derivative(depth, _SHARE / size)
     return rate
+
+
+def _at_a_corner(touch: Touch, where: str) -> tuple[str, str]:
+    """Where the return map is linear on both sides of the graze, with two derivatives.
+
+    The depth y of the orbit with a contact solves (1 - n (I - A)^-1 E) y = y0, y0 being that of the
+    orbit without.
+    """
+    unit = np.eye(touch.jump.size)
+    share = 1.0 - float(touch.gradient @ np.linalg.solve(unit - touch.jacobian, touch.jump))
+    before = _largest(touch.jacobian)
+    behind = _largest(touch.jacobian + np.outer(touch.jump, touch.gradient))
+    told = f"the largest multiplier jumps from {before:.6g} to {behind:.6g}"
+    if not abs(share) > _ZERO + touch.error:
+        return UNDECIDED, f"a multiplier behind the graze may be 1; {told}"
+    if share < 0.0:
+        return "nonsmooth fold", (
+            f"the orbit with one more contact turns back, beside the one without; {told}"
+        )
+    return "continuous", f"the orbit goes on, with one more contact {where}; {told}"
+
+
+def _largest(matrix: Floats) -> complex:
+    """The largest multiplier, as a real number where it is one."""
+    values = np.linalg.eigvals(matrix)
+    value = complex(values[np.argmax(np.abs(values))])
+    return value if value.imag else value.real
 
 
 def scenario_behind(touch: Touch, where: str) -> tuple[str, str]:

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.normal_forms.directional import Estimate, derivative
 from nonsmooth.engine.orbits import LegResults
+from nonsmooth.engine.tables import members
 from nonsmooth.periodic_orbits.multipliers import leg_factors
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.periodic_orbits.word_map import WordMap
@@ -56,6 +57,7 @@ class _Passed(NamedTuple):
     next: Floats  # behind the exits
     jump_rate: Floats
     row: Floats  # derivatives of the guard at the end
+    guard: float
     rate: float  # of that guard
 
 
@@ -142,7 +144,7 @@ def _pass(
         found.starts[0].copy(), found.start_rates[0].copy(), found.ends[0].copy(),
         found.end_rates[0].copy(), found.flow[0, : legs.n].T.copy(), found.nexts[0].copy(),
         found.jump_rate[0].copy(), found.guard_row[0, : legs.n].copy(),
-        float(found.guard_rate[0]),
+        float(found.guard[0]), float(found.guard_rate[0]),
     )  # fmt: skip
 
 
@@ -186,6 +188,9 @@ def _kick(contact: _Grazed) -> tuple[float, Floats, float]:
         return _kick_of_wall(contact)
     if target < 0:
         raise NoTouch("the motion ends at the guard that is touched")
+    slaved = members(wiring.modes["slaved"][[contact.mode, target]], contact.state.size)
+    if np.any(slaved[1] & ~slaved[0]):
+        return _kick_of_relation(contact, target)
     return _kick_of_stop(contact, target)
 
 
@@ -215,7 +220,7 @@ def _kick_of_stop(contact: _Grazed, target: int) -> tuple[float, Floats, float]:
         state = contact.state + h * row
         inside = contact.at(target, (), state)
         if np.any(np.abs(inside.start - state) > _NONE * contact.sizes):
-            raise NoTouch("behind the guard a relation sets a state, or the motion is held there")
+            raise NoTouch("behind the guard the motion is held on a surface")
         return inside.start_rates - contact.at(contact.mode, (), state).start_rates
 
     jump = apart(0.0)
@@ -236,6 +241,59 @@ def _kick_of_stop(contact: _Grazed, target: int) -> tuple[float, Floats, float]:
         raise NoTouch("rates on both sides of the guard agree in their first derivatives too")
     error = doubt / largest + 0.5 * blur.error / blur.value
     return 1.5, -(4.0 / 3.0) * root * growth, error
+
+
+def _kick_of_relation(contact: _Grazed, target: int) -> tuple[float, Floats, float]:
+    """Of a mode in which a relation sets a state, and that is left when another guard is zero.
+
+    That guard F, as the force of a damper, is zero at the touch. A deeper motion comes with an F as
+    large as the root of the depth, and F falls at its own rate. So the contact lasts a part
+    of the way to the lowest point, and what it leaves behind is as large as the depth itself.
+    """
+    wiring = contact.near.equations.legs.tables.wiring
+    exits = [
+        e
+        for e in range(int(wiring.modes["n_exits"][target]))
+        if int(wiring.exits["target"][target, e]) == contact.mode
+    ]
+    if len(exits) != 1:
+        raise NoTouch("not exactly one exit leads back from the mode behind the guard")
+    path = (exits[0],)
+
+    def apart(state: Floats, later: float) -> tuple[Floats, float]:
+        at = contact.time + later
+        inside = _pass(contact.near, target, path, state, at, at)
+        own = _pass(contact.near, contact.mode, (), state, at, at).start_rates
+        return inside.start_rates - own, inside.guard
+
+    def outside(later: float) -> Floats:
+        return np.append(*apart(contact.at(contact.mode, (), contact.state, later).end, later))
+
+    jump, force = apart(contact.state, 0.0)
+    before = derivative(outside, contact.span)
+    fall = contact.at(target, path, contact.state).rate
+    span = contact.span
+    if abs(force) > _NONE * abs(fall) * span or np.any(
+        np.abs(jump) > _NONE * np.maximum(np.abs(contact.before.end_rates), contact.sizes / span)
+    ):
+        raise NoTouch("the motion behind the guard begins with other rates, or does not end")
+    ratio = before[-1].value / fall  # duration of the contact, over the way to the lowest point
+    if not (fall < 0.0 and ratio > _NONE):
+        raise NoTouch("behind the guard motions are not let go, so contacts last")
+    within = derivative(
+        lambda later: apart(contact.at(target, path, contact.state, later).end, later)[0], span
+    )
+    square = 2.0 / contact.curvature.value
+    terms = np.array(
+        [
+            (-first.value * ratio, 0.5 * second.value * ratio**2)
+            for first, second in zip(before[:-1], within, strict=True)
+        ]
+    )
+    doubt = max(each.error for each in (*before, *within)) * max(ratio, ratio**2)
+    blur = contact.curvature.error / contact.curvature.value
+    error = doubt / max(float(np.abs(terms).max()), 1e-300) + blur
+    return 1.0, square * terms.sum(axis=1), error
 
 
 def _curvature_inside(contact: _Grazed, target: int) -> Estimate:
