@@ -45,7 +45,7 @@ class Narrow(ArithmeticError):
         super().__init__(f"the itinerary changes within {within:.1e} of the size of the orbit")
 
 
-class Rows(NamedTuple):
+class Quotients(NamedTuple):
     """Differences over falling steps, and what rounding may be in each of their entries."""
 
     values: Floats  # (K, ...)
@@ -58,8 +58,8 @@ class Differences(NamedTuple):
     Values are (K, m, m + 1); the last column is the derivative by the parameter.
     """
 
-    first: Rows
-    second: Rows
+    first: Quotients
+    second: Quotients
     reach: float  # largest step, in lengths of the direction, with one itinerary on both sides
     narrow: bool  # whether another itinerary lies closer than orbits are displaced
 
@@ -100,7 +100,7 @@ def differences(near: WordMap, along: Floats, by_parameter: float, width: float)
         second.append((ahead - 2.0 * centre + behind) / h**2)
     rounding = _EPS * float(np.abs(centre).max())
     return Differences(
-        Rows(np.array(first), rounding / steps), Rows(np.array(second), 2.0 * rounding / steps**2),
+        Quotients(np.array(first), rounding / steps), Quotients(np.array(second), 2.0 * rounding / steps**2),
         step, step < largest,
     )  # fmt: skip
 
@@ -114,7 +114,7 @@ def derivative(function: Callable[[float], npt.ArrayLike], longest: float) -> li
     slopes = (ahead - behind) / (2.0 * steps[:, None])
     rounding = _EPS * np.abs(ahead).max(axis=0)
     return [
-        extrapolate(lambda d: d[0], [Rows(column[:, None], size / steps)])
+        extrapolate(lambda d: d[0], [Quotients(column[:, None], size / steps)])
         for column, size in zip(slopes.T, rounding, strict=True)
     ]
 
@@ -144,7 +144,9 @@ def _keeps_word(near: WordMap, away: Floats, by_parameter: float) -> bool:
     return True
 
 
-def extrapolate(terms: Callable[[Sequence[Floats]], Floats], made_of: Sequence[Rows]) -> Estimate:
+def extrapolate(
+    terms: Callable[[Sequence[Floats]], Floats], made_of: Sequence[Quotients]
+) -> Estimate:
     """A sum of terms that are made of differences, at no step.
 
     made_of: differences; ``terms`` takes one row of each
@@ -165,16 +167,16 @@ def extrapolate(terms: Callable[[Sequence[Floats]], Floats], made_of: Sequence[R
     return best
 
 
-def _next_order(rows: Rows, share: float) -> Rows:
+def _next_order(rows: Quotients, share: float) -> Quotients:
     """The next column of the extrapolation."""
     values, rounding = rows
-    return Rows(
+    return Quotients(
         values[1:] + share * (values[1:] - values[:-1]),
         (1.0 + share) * rounding[1:] + share * rounding[:-1],
     )
 
 
-def _sums(terms: Callable[[Sequence[Floats]], Floats], rows: list[Rows]) -> Floats:
+def _sums(terms: Callable[[Sequence[Floats]], Floats], rows: list[Quotients]) -> Floats:
     """Sums of terms, and what rounding may be in them, (K, 2).
 
     Rounding of the differences is tried out by adding it with some patterns of signs.
