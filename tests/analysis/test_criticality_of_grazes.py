@@ -303,6 +303,27 @@ def test_a_plate_without_mass_leaves_what_is_as_large_as_the_depth():
     assert found["criticality"].item() == "continuous"
 
 
+def test_a_stop_with_a_damper_is_not_decided():
+    """Its force depends on the speed at the guard, for which the law of a spring does not hold."""
+    pull = "cos(omega*t) - 2*zeta*v - x"
+    stop = ns.Mode(
+        {"x": "v", "v": f"{pull} - 30*(x - sigma) - 0.5*v"}, exits=[ns.Exit("x - sigma", to="free")]
+    )
+    system = ns.System(
+        states=["x", "v"],
+        period="2*pi/omega",
+        parameters={"omega": 2.0, "zeta": 0.1, "sigma": 0.6},
+        modes={
+            "free": ns.Mode({"x": "v", "v": pull}, exits=[ns.Exit("sigma - x", to="contact")]),
+            "contact": stop,
+        },
+    )
+    branch = ns.continue_orbit(system, "sigma", (0.3, 0.7), direction="down")
+    found = ns.criticality(branch, "grazing").isel(special=0)
+    assert found["criticality"].item() == "not decided"
+    assert "damper" in found["criticality_detail"].item()
+
+
 def test_multipliers_of_the_mole_jump_at_a_graze():
     """To what those behind it come to as the contact becomes short."""
     mole = ns.models.moling()

@@ -143,7 +143,8 @@ def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Data
     none is, the largest multiplier m is real, and there is a small attractor. For m < 1/4 it is a
     sequence of stable orbits, one for each period from some on (``period adding``), for m < 2/3 the
     same with chaos between them, for larger m ``chaos``. These limits belong to the map close to
-    the graze. A touch behind which contacts last is not decided.
+    the graze. A touch behind which contacts last, or a stop has a damper, is not decided, nor is
+    one of an orbit that touches at two places at once, as symmetric ones do.
 
     A supercritical point gives stable orbits where ``unstable_directions`` is 0. At a torus within
     0.01 of a strong resonance (rotation number 0, 1/2, 1/3 or 1/4) the coefficient decides nothing.

@@ -100,8 +100,8 @@ def differences(near: WordMap, along: Floats, by_parameter: float, width: float)
         second.append((ahead - 2.0 * centre + behind) / h**2)
     rounding = _EPS * float(np.abs(centre).max())
     return Differences(
-        Quotients(np.array(first), rounding / steps), Quotients(np.array(second), 2.0 * rounding / steps**2),
-        step, step < largest,
+        Quotients(np.array(first), rounding / steps),
+        Quotients(np.array(second), 2.0 * rounding / steps**2), step, step < largest,
     )  # fmt: skip
 
 

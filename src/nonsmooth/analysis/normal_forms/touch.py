@@ -232,15 +232,26 @@ def _kick_of_stop(contact: _Grazed, target: int) -> tuple[float, Floats, float]:
         inside = _curvature_inside(contact, target)
         longer = 2.0 * contact.curvature.value / inside.value
         return 0.5, longer * root * jump, inside.error / inside.value + blur.error / blur.value
-    # rates differ by a vector times the guard
+    # rates differ by a vector times the guard, if they do not differ along the motion too
     grown = derivative(apart, contact.length_of(row))
     growth = np.array([each.value for each in grown]) / float(row @ row)
     doubt = max(each.error for each in grown) / float(row @ row)
     largest = float(np.abs(growth).max())
     if not largest > 2.0 * doubt:
         raise NoTouch("rates on both sides of the guard agree in their first derivatives too")
+    along = derivative(lambda later: _apart_along(contact, target, later), contact.span)
+    least = _NONE * largest * blur.value * contact.span
+    if any(abs(each.value) > least + 2.0 * each.error for each in along):
+        raise NoTouch("the force behind the guard depends on the speed too, as that of a damper")
     error = doubt / largest + 0.5 * blur.error / blur.value
     return 1.5, -(4.0 / 3.0) * root * growth, error
+
+
+def _apart_along(contact: _Grazed, target: int, later: float) -> Floats:
+    """By how much the rates of two modes differ along the motion through the touch."""
+    state, at = contact.at(contact.mode, (), contact.state, later).end, contact.time + later
+    inside, own = (_pass(contact.near, m, (), state, at, at) for m in (target, contact.mode))
+    return inside.start_rates - own.start_rates
 
 
 def _kick_of_relation(contact: _Grazed, target: int) -> tuple[float, Floats, float]:
