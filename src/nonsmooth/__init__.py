@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.continue_orbit import continue_orbit
     from nonsmooth.analysis.continue_special import continue_special
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
+    from nonsmooth.analysis.criticality import criticality
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.find_orbit import find_orbit
     from nonsmooth.analysis.full_spectrum import full_spectrum
@@ -97,6 +98,7 @@ __all__ = [
     "continue_orbit",
     "continue_special",
     "correlation_dimension",
+    "criticality",
     "ensemble",
     "excitation",
     "explore",
@@ -166,6 +168,7 @@ _HOME = {
     "mirrored_orbit": "nonsmooth.analysis.mirrored_orbit",
     "orbit_samples": "nonsmooth.analysis.orbit_samples",
     "continue_special": "nonsmooth.analysis.continue_special",
+    "criticality": "nonsmooth.analysis.criticality",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",

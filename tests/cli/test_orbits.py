@@ -1,5 +1,7 @@
 """`nonsmooth orbit` and `nonsmooth continue`: what they ask, print, draw and refuse."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -201,6 +203,20 @@ def test_a_branch_of_the_soft_impact_oscillator(call, tmp_path):
     with xr.open_dataset(file, engine="h5netcdf") as saved:
         assert int(np.sum(saved["special_kind"].values == "grazing")) == 1
         assert float(saved["a"][0]) == 0.4
+
+
+def test_what_begins_at_the_special_points_of_a_branch(call):
+    """The flip just behind the graze of the soft impact oscillator, and the grazing itself."""
+    words = ("continue", "soft_impact", "a=0.4", "--over", "a=0.4:0.6", "--criticality")
+    result = call(*words)
+    assert result.exit_code == 0, result.stderr
+    assert "a stable orbit of twice the period exists above a = 0.48673" in " ".join(
+        result.stdout.split()
+    )
+    forms = json.loads(call(*words, "--json").stdout)["normal_forms"]
+    (flip,) = [form for form in forms if form["kind"] == "flip"]
+    assert flip["criticality"] == "supercritical"
+    assert flip["coefficient"] > 1e6 * flip["coefficient_error"] > 0.0
 
 
 def test_a_diagram_that_does_not_fit_is_refused_before_the_branch(call, asked, tmp_path):

@@ -113,6 +113,7 @@ def data(name):
         ),
         "special": lambda: ns.continue_orbit(ns.models.soft_impact(a=0.2), "a", (0.05, 0.6)),
         "grazing": lambda: data("special")["special_kind"].values.tolist().index("grazing"),
+        "flip": lambda: data("special")["special_kind"].values.tolist().index("flip"),
         "basins": lambda: xr.Dataset(
             {"label": (("y", "x"), np.repeat([1, 2, 3], 20) * np.ones((60, 1), int))}
         ),
@@ -169,6 +170,7 @@ def cases():
             {"branch": data("special"), "special": data("grazing"), "parameter": "omega"}
             | {"between": (0.7, 0.9), "steps": 2}, {},
         ),
+        "criticality": ({"branch": data("special"), "special": data("flip")}, {}),
         "attractors": ({"system": strobes, "region": REGION} | SEARCH, {"samples": 10_000}),
         "basins_of_attraction": (
             {"system": strobes, "region": CELLS} | SEARCH, {"samples": 10_000},

@@ -166,6 +166,11 @@ RESULTS = {
                              ns.continue_orbit(SYSTEM, "eta", (1.1, 1.2), parameters={"eta": 1.12}),
                              1, "delta_x", (0.19, 0.21), steps=3),
                          ORBIT | BRANCH | {"delta_x": MM, "special_value": MM}),
+    "criticality": (lambda: ns.criticality(speeds_of_orbits()),
+                    {"special_value": HERTZ, "rotation_angle": RAD}
+                    | dict.fromkeys(("coefficient", "coefficient_error", "parameter_coefficient",
+                                     "parameter_coefficient_error", "amplitude_factor",
+                                     "amplitude_power", "reach"), ONE)),
     "orbit_samples": (lambda: ns.orbit_samples(ns.find_orbit(SYSTEM)),
                       MOTION | {"time": S, "length": S}),
     "best_point": (lambda: ns.best_point(speeds_of_orbits(), "x"),

@@ -160,7 +160,10 @@ def follow(task: Task) -> None:
         task.picture("multipliers", branch)
     else:
         task.picture("branch", branch, drawn, diagram=behind)
-    task.finish(branch, _branch_report(branch), code=task.by_status(branch))
+    report = _branch_report(branch)
+    if task["criticality"]:
+        _add_criticality(report, ns.criticality(branch), parameter)
+    task.finish(branch, report, code=task.by_status(branch))
 
 
 def _range(system: System, over: str) -> tuple[str, tuple[float, float]]:
@@ -255,6 +258,26 @@ def _add_special_points(report: Report, branch: xr.Dataset, parameter: str) -> N
         detail = str(one["special_detail"].item())
         rows.append((kind, float(one["special_value"]), multiplier, detail))
     report.table("special points", columns, rows, _MOST_SPECIAL)
+
+
+def _add_criticality(report: Report, found: xr.Dataset, parameter: str) -> None:
+    """Add one line for each special point whose normal form is known."""
+    columns: list[Column] = [
+        ("normal form", "kind", str),
+        (parameter, "value", "{:.12g}".format),
+        ("criticality", "criticality", str),
+        ("coefficient", "coefficient", "{:.6g}".format),
+        ("error", "coefficient_error", "{:.1e}".format),
+        ("", "detail", str),
+    ]
+    rows = []
+    for k in range(found.sizes["special"]):
+        one = found.isel(special=k)
+        kind = str(one["special_kind"].item()).replace("_", " ")
+        numbers = float(one["coefficient"]), float(one["coefficient_error"])
+        told = str(one["criticality"].item()), *numbers, str(one["criticality_detail"].item())
+        rows.append((kind, float(one["special_value"]), *told))
+    report.table("normal forms", columns, rows, _MOST_SPECIAL)
 
 
 def manifold(task: Task) -> None:

@@ -308,6 +308,7 @@ TABLE = {
                 drawn=True,
             ),
             Own("multipliers", "Draw the paths of the multipliers instead.", drawn=True),
+            Own("criticality", "Tell of each special point what begins there."),
         ),
         plot="the branch",
         save="the branch",

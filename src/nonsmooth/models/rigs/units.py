@@ -60,6 +60,9 @@ _NUMBERS = {
     "standard_error", "drift", "net_drift", "slope", "fixed_slope", "spread", "largest_spread",
     "exponent_per_return", "log_determinant", "arclength", "unsettled", "ended",
     "border_gap", "first_length", "first_deviation",
+    # of normal forms: their vectors mix all states, so the numbers stay those of the model
+    "coefficient", "coefficient_error", "parameter_coefficient", "parameter_coefficient_error",
+    "amplitude_factor", "amplitude_power", "reach",
 }  # fmt: skip
 # what each parameter of a model stands for in a machine
 TWO_MASSES = {

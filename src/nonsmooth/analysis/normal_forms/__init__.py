@@ -1,0 +1,1 @@
+"""Normal forms of the special points of branches of orbits."""
