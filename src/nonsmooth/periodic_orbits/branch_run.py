@@ -327,6 +327,8 @@ def follow_orbits(
                 continue
             if each.special == "fold":
                 way, section = -way, None
+            elif is_of_word(each.test):  # the parameter may turn back there
+                way, section = 0.0, None
             elif not each.special and (section is None or each.arclength > section.arclength):
                 if section is not None and way * each.way < 0.0:
                     yield replace(section, special="fold")  # just where an event passes the section

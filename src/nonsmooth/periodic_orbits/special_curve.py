@@ -206,7 +206,8 @@ class SpecialCurve:
             return piece
         self.ended = part.special or "section"
         self.message = self._at(
-            point, f"{part.detail} at the same time, and no orbits beyond meet the same condition"
+            point,
+            f"{part.detail} at the same time, and no orbits beyond were found that meet the same condition",
         )
         return None
 
