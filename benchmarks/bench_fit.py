@@ -32,7 +32,7 @@ from nonsmooth.files import replacing
 
 PARTS = ("records", *CHECKS)
 STARTS = 2
-FAR = 5.0  # standard errors from the truth beyond which likelihoods are compared
+FAR = 5.0  # standard errors for white noise beyond which likelihoods are compared
 LEAST, MOST = 0.92, 0.98  # of intervals that hold the truth
 FITTED = ("white", "coloured", "sensor")  # kinds of records whose model is right
 
@@ -85,9 +85,10 @@ def fit_record(number: int) -> dict:
                      "variance_ratio")
     }  # fmt: skip
     truth = np.array(list(case.truth.values()))
-    off = (np.array(told["estimate"]) - truth) / np.array(told["standard_error"])
-    is_right = bool(np.all(np.abs(off) < FAR))
-    if not is_right:  # a wrong model shifts the optimum: is it the one next to the truth?
+    # without what makes intervals wider, so that no wide one makes an optimum a right one
+    least = np.array(told["standard_error"]) / np.sqrt(np.maximum(1.0, told["variance_ratio"]))
+    is_right = bool(np.all(np.abs(np.array(told["estimate"]) - truth) < FAR * least))
+    if not is_right:  # noise or a wrong model shifts it: is it the one next to the truth?
         near = {
             key: (0.9 * value, 0.99 if key == "r" else 1.1 * value)
             for key, value in case.truth.items()
@@ -100,6 +101,11 @@ def fit_record(number: int) -> dict:
         "status": found.attrs["status"], "agree": int(found["start_agrees"].sum()),
         "right": is_right and found.attrs["status"] == "completed", "seconds": seconds,
         "widened": "widened" in found.attrs["interval_method"],
+        "sources": [
+            str(source)
+            for source in found["source"].values
+            if (found["discrepancy"].sel(source=source) > 0.0).any()
+        ],
     }  # fmt: skip
 
 
