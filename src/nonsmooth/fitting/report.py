@@ -421,12 +421,13 @@ def _message(
         )
     for c, channel in enumerate(channels):
         own = [each for each in discrepancies if each.channel == c]
-        parts += _source_words(channel, own)
-        if variables["whiteness"][1][c] < NOT_WHITE and not own:
-            parts.append(
-                f"residuals of {channel} are correlated, by coloured noise or a model that is"
-                " wrong: intervals are widened for the first, but no interval tells of the second"
+        if variables["whiteness"][1][c] < NOT_WHITE:
+            causes = (
+                ", by coloured noise or a model that is wrong: intervals are widened for the first,"
+                " but no interval tells of the second"
             )
+            parts.append(f"residuals of {channel} are correlated{'' if own else causes}")
+        parts += _source_words(channel, own)
         if variables["prediction_error"][1][c] > _POOR:
             parts.append(f"what was held back of {channel} is predicted poorly")
     return "; ".join(parts)
