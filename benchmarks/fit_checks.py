@@ -18,8 +18,10 @@ TEN = {
     "k1": 1.0, "c1": 0.04, "k2": 0.8, "c2": 0.03, "m2": 0.7, "k3": 0.5, "c3": 0.02, "k_stop": 20.0,
     "e": 0.9, "A": 0.5,
 }  # fmt: skip
-REPEATED = (1, 30, 32, 33)  # records of four machines that are fitted in a second or two
-DRAWS = 25  # of the noise of each
+REPEATED = (0, 1, 2, 3, 5, 24, 25, 27, 29, 48, 49, 51, 53, 72, 73, 74, 75, 77, 96, 97, 99)
+DRAWS = 8  # of the noise of each of these records, which take a few seconds
+FURTHER = range(100, 460)  # records beyond the hundred
+QUICK = ("soft_impact", "impact_oscillator", "breathing_crack", "moling")
 SPEED = 0.8  # of the force on the two masses
 
 
@@ -98,25 +100,86 @@ def repeats() -> dict:
     Parameters of one record err together: the error of the rate counts records, not intervals.
     """
     answers: dict = {}
+    named = 0
     for colour in (0.0, 0.7):
         shares = []
         for number in REPEATED:
             for seed in range(DRAWS):
                 case = synthetic.with_noise_again(number, colour, seed)
-                known = {k: v for k, v in case.parameters.items() if k not in case.free}
-                system = getattr(ns.models, case.plan.name)(**known)
-                found = ns.fit(system, case.record, case.free, case.plan.observe, starts=1)
-                low, high = (
-                    found[f"interval_{side}"].sel(parameter=list(case.truth)).values
-                    for side in ("low", "high")
-                )
-                truth = np.array(list(case.truth.values()))
-                shares.append(float(np.mean((low <= truth) & (truth <= high))))
-        error = np.std(shares, ddof=1) / np.sqrt(len(shares))
-        answers["coloured" if colour else "white"] = [float(np.mean(shares)), float(error)]
+                found, inside = near_fit(case, case.free)
+                shares.append(float(np.mean(inside)))
+                named += bool(named_sources(found))
+        answers["coloured" if colour else "white"] = with_error(shares)
     rates = np.array(list(answers.values()))
     within = np.abs(rates[:, 0] - 0.95) <= 0.03 + 2.0 * rates[:, 1]
-    return answers | {"records": len(shares), "passed": bool(within.all())}
+    return answers | {
+        "records": len(shares), "falsely_named": named, "passed": bool(within.all()),
+    }  # fmt: skip
+
+
+def further() -> dict:
+    """More records like the hundred, of four machines, behind poor sensors or of a wrong model.
+
+    The search begins near the truth, as the right optimum is not the question here. For each kind
+    the result has the rate of intervals that hold the truth with its standard error, how many
+    records there are, and for how many the fit names a source of errors that follow the motion; for
+    those with a miss, too. Fits that say that they have not converged are counted by themselves.
+    """
+    answers: dict = {}
+    for kind in ("sensor", "model"):
+        shares, named, missed, failed = [], [], [], 0
+        for number in FURTHER:
+            plan, own = synthetic.kind_of(number)
+            if own != kind or plan.name not in QUICK:
+                continue
+            case = synthetic.case(number)
+            found, inside = near_fit(case, wide_bounds(case.truth))
+            if found.attrs["status"] != "completed":
+                failed += 1
+                continue
+            shares.append(float(np.mean(inside)))
+            named.append(bool(named_sources(found)))
+            missed.append(not inside.all())
+        answers[kind] = {
+            "hold": with_error(shares), "records": len(shares), "named": sum(named),
+            "not_converged": failed,
+            "with_a_miss": sum(missed),
+            "with_a_miss_named": int(np.logical_and(named, missed).sum()),
+        }  # fmt: skip
+    rate, error = answers["sensor"]["hold"]
+    return answers | {"passed": bool(abs(rate - 0.95) <= 0.03 + 2.0 * error)}
+
+
+def near_fit(case, bounds):
+    """A fit from the middle of some bounds, and which intervals hold the truth."""
+    known = {key: value for key, value in case.parameters.items() if key not in case.free}
+    system = getattr(ns.models, case.plan.name)(**known)
+    found = ns.fit(system, case.record, bounds, case.plan.observe, starts=1, **case.options)
+    own = found.sel(parameter=list(case.truth))
+    truth = np.array(list(case.truth.values()))
+    low, high = own["interval_low"].values, own["interval_high"].values
+    return found, (low <= truth) & (truth <= high)
+
+
+def wide_bounds(truth):
+    """Bounds about the true values, within those of each machine."""
+    ends = {"r": (0.0, 0.99), "crack": (5.1, 18.0)}
+    return {
+        name: (max(0.55 * value, ends.get(name, (0.0,))[0]),
+               min(1.5 * value, ends.get(name, (np.inf,))[-1]))
+        for name, value in truth.items()
+    }  # fmt: skip
+
+
+def named_sources(found):
+    """Sources of errors that follow the motion, of which a fit tells."""
+    sizes = found["discrepancy"].max("channel")
+    return [str(each) for each in found["source"].values if sizes.sel(source=each) > 0.0]
+
+
+def with_error(shares):
+    """A mean with its standard error."""
+    return [float(np.mean(shares)), float(np.std(shares, ddof=1) / np.sqrt(len(shares)))]
 
 
 def unidentifiable() -> dict:
@@ -202,4 +265,11 @@ def least_seconds(call) -> float:
     return min(found)
 
 
-CHECKS = {"repeats": repeats, "forty": forty, "crack": crack, "open": unidentifiable, "cost": ten}
+CHECKS = {
+    "repeats": repeats,
+    "further": further,
+    "forty": forty,
+    "crack": crack,
+    "open": unidentifiable,
+    "cost": ten,
+}

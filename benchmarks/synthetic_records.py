@@ -133,11 +133,15 @@ def sensor_of(kind: str, noise: float, rng: np.random.Generator) -> Sensor:
     return Sensor(noise, colour=rng.uniform(0.5, 0.9))
 
 
+def kind_of(number: int) -> tuple[Plan, str]:
+    """Machine and kind of a record by its number."""
+    return PLANS[number % len(PLANS)], KINDS[number // len(PLANS) % len(KINDS)]
+
+
 def case(number: int) -> Case:
     """A record by its number; the same one whenever it is asked for."""
     rng = np.random.default_rng([number, 113])
-    plan = PLANS[number % len(PLANS)]
-    kind = KINDS[number // len(PLANS) % len(KINDS)]
+    plan, kind = kind_of(number)
     noise = NOISE[number // (len(PLANS) * len(KINDS)) % len(NOISE)]
     drawn = plan.draw(rng)
     error: dict[str, Any] = {}

@@ -19,7 +19,8 @@ from scipy.stats import chi2
 
 from nonsmooth.fitting.residuals import Residuals
 
-__all__ = ["NOT_WHITE", "Correlation", "block_length", "correlation_of", "ljung_box"]
+__all__ = ["NOT_WHITE", "Correlation", "autoregression", "block_length", "correlation_of",
+           "ljung_box"]  # fmt: skip
 
 Floats = npt.NDArray[np.float64]
 
@@ -71,20 +72,23 @@ def autocorrelation(series: Floats, lags: int) -> Floats:
 def correlation_of(
     rows: Residuals,
     record_of_channel: npt.NDArray[np.int64],
-    n_spent: int,
+    n_spent: float,
     at_least: npt.NDArray[np.bool_] | None = None,
+    *,
+    even_white: bool = False,
 ) -> Correlation | None:
     """How residuals are correlated; None where no channel speaks against white ones.
 
     Channels of different records know nothing of each other. Channels of ``at_least`` have a noise
-    that is known to be no smaller, however small their residuals are.
+    that is known to be no smaller, however small their residuals are. ``even_white`` asks for an
+    answer where they are white, too: for their size.
     """
     n_samples = int(rows.place.max(initial=-1)) + 1
     series = np.full((record_of_channel.size, n_samples), np.nan)
     series[rows.channel[rows.matched], rows.place[rows.matched]] = rows.residual[rows.matched]
-    if all(ljung_box(each)[1] >= NOT_WHITE for each in series):
+    if not even_white and all(ljung_box(each)[1] >= NOT_WHITE for each in series):
         return None
-    filters = [_autoregression(each) for each in series]
+    filters = [autoregression(each) for each in series]
     news = [
         lfilter(back, [1.0], np.where(np.isfinite(each), each, 0.0))
         for back, each in zip(filters, series, strict=True)
@@ -92,7 +96,7 @@ def correlation_of(
     known = np.isfinite(series)
     together = np.maximum(known.astype(float) @ known.T, 1.0)
     # residuals are smaller than the noise by what the fit has spent on unknowns
-    grown = 1.0 / (1.0 - min(0.5, n_spent / rows.residual.size))
+    grown = 1.0 / (1.0 - min(0.5, n_spent / np.count_nonzero(rows.matched)))
     innovations = np.where(known, news, 0.0) @ np.where(known, news, 0.0).T / together
     innovations[record_of_channel[:, None] != record_of_channel] = 0.0
     lift = np.ones(len(series))
@@ -102,7 +106,7 @@ def correlation_of(
     return Correlation(filters, innovations * grown * np.outer(lift, lift), rows, n_samples)
 
 
-def _autoregression(series: Floats) -> Floats:
+def autoregression(series: Floats) -> Floats:
     """Autoregression of the order that Akaike's criterion likes best, by Yule and Walker."""
     count = int(np.isfinite(series).sum())
     most = max(1, min(int(_ORDER * np.log10(count)), count // 10))

@@ -155,10 +155,13 @@ def fit(
         ``bootstrap_low``, ``bootstrap_high`` and ``bootstrap_estimate`` (also over ``draw``);
         ``profile_value`` and ``profile_rise`` (also over ``profile_point``), points of the
         profiles, whose intervals end where the rise is the attribute ``profile_threshold``. Over
-        ``channel``: ``noise``,
+        ``channel``: ``noise``, ``time_error`` (standard deviation of the times of the samples,
+        where residuals speak of one),
         ``prediction_error`` (root mean square of what was held back, in units of the noise),
         ``ljung_box`` and ``whiteness`` (its probability for white residuals), ``channel_units``,
-        those of the record. Over ``channel`` and ``time``: ``measured``, ``fitted``,
+        those of the record. Over ``channel`` and ``source``: ``discrepancy``, the root mean square
+        of errors that follow the motion, 0 where residuals speak of none. Over ``channel`` and
+        ``time``: ``measured``, ``fitted``,
         ``residual``, ``held_back``. Over ``picked``, the events of all channels:
         ``picked_channel``, ``picked_measured``, ``picked_fitted``,
         ``picked_residual``, ``picked_held_back``, and ``picked_missed`` where the motion has no
@@ -203,8 +206,16 @@ def fit(
     Where the test of Ljung and Box speaks against white residuals, each channel is described by an
     autoregression, whose innovations may be correlated from channel to channel. The covariance of
     the estimates is then a sandwich, and the profile falls by the quantile times the ratio of the
-    variances. That counts in coloured noise. It does not count in that a wrong model shifts
-    estimates, which no single record shows.
+    variances. That counts in coloured noise.
+
+    Errors that follow the motion come again with it, and noise does not. Three families of them are
+    looked for: errors of the times of the samples that change from period to period; a filter of a
+    few samples, as that of a sensor; and any filter as long as a period, which the model or the
+    sensor may cause. Each has random coefficients whose variance is found by restricted maximum
+    likelihood, beside the autoregression, and stays where the ratio of likelihoods has a
+    probability below 0.01 without it. Its covariance is part of the sandwich, and degrees of
+    freedom of the variances, by Satterthwaite, make the quantile larger. What the parameters absorb
+    of a wrong model leaves no trace in the residuals; no single record shows it.
 
     References
     ----------
@@ -215,7 +226,12 @@ def fit(
     Inference for clustered data using the independence loglikelihood, Biometrika 94, 167-183
     (2007): the profile. E. Carlstein, The use of subseries values for estimating the variance of a
     general statistic from a stationary sequence, Annals of Statistics 14, 1171-1179 (1986): the
-    length of blocks.
+    length of blocks. M. C. Kennedy and A. O'Hagan, Bayesian calibration of computer models,
+    Journal of the Royal Statistical Society B 63, 425-464 (2001): discrepancies of models.
+    H. D. Patterson and R. Thompson, Recovery of inter-block information when block sizes are
+    unequal, Biometrika 58, 545-554 (1971): restricted maximum likelihood. F. E. Satterthwaite, An
+    approximate distribution of estimates of variance components, Biometrics Bulletin 2, 110-114
+    (1946).
 
     Examples
     --------

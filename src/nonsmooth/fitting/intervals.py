@@ -9,6 +9,7 @@ import numpy.typing as npt
 from scipy.stats import f as f_distribution
 
 from nonsmooth.fitting.correlated import block_length, correlation_of
+from nonsmooth.fitting.discrepancy import Discrepancy, discrepancies_of
 from nonsmooth.fitting.linearised import free_jacobian
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted, minimise
@@ -66,7 +67,9 @@ class Spread(NamedTuple):
 
     covariance: Floats  # (size, size), units of the solver
     white: Floats  # (size, size), as if residuals were white
+    freedom: Floats  # (size,) degrees of freedom with which the variances are known
     is_widened: bool  # whether correlated residuals count in the first one
+    discrepancies: list[Discrepancy]  # errors that follow the motion and count in it, too
 
     @property
     def ratio(self) -> Floats:
@@ -80,27 +83,47 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
 
     The unknowns move in the null space of the equations of continuity only. What the data do not
     tell at all has a spread that is huge but finite. Estimates are linear in the residuals where
-    these are small, so correlated residuals make a covariance of the form of a sandwich.
+    these are small, so correlated residuals and errors that follow the motion make a covariance of
+    the form of a sandwich.
     """
-    rows = fitted.evaluation.rows
     free, basis = free_jacobian(shooting, fitted.evaluation)
     _, sizes, turned = np.linalg.svd(np.linalg.qr(free, mode="r"))
     least = _SMALLEST * sizes.max(initial=1e-300)
     untold, sizes = np.flatnonzero(sizes <= least), np.maximum(sizes, least)
     root = basis @ turned.T / sizes
     white: Floats = root @ root.T
-    found = None
-    if loss == "linear":  # a robust loss has weights of its own
-        least = np.array([channel.least_noise for channel in shooting.channels])
-        found = correlation_of(
-            rows, shooting.record_of_channel, shooting.n_spent, fitted.noise <= least
-        )
-    if found is None:
-        return Spread(white, white, False)
-    inner = found.covariance_of(free @ turned.T / sizes)
+    freedom = np.full(shooting.size, shooting.n_free_data(fitted.evaluation))
+    if loss != "linear":  # a robust loss has weights of its own
+        return Spread(white, white, freedom, False, [])
+    tangents = free @ turned.T / sizes
+    follows = discrepancies_of(shooting, fitted, tangents)
+    floor = np.array([channel.least_noise for channel in shooting.channels])
+    correlation = correlation_of(
+        follows.rows, shooting.record_of_channel, shooting.n_spent + follows.n_spent,
+        fitted.noise <= floor, even_white=bool(follows.found),
+    )  # fmt: skip
+    if correlation is None:
+        return Spread(white, white, freedom, False, [])
+    inner = correlation.covariance_of(tangents)
+    parts = [each.factor @ root.T for each in follows.found]
+    for each in follows.found:
+        inner += each.factor.T @ each.factor
     inner[untold], inner[:, untold] = 0.0, 0.0  # no residual says anything, however it varies
     inner[untold, untold] = 1.0
-    return Spread(root @ inner @ root.T, white, True)
+    covariance: Floats = root @ inner @ root.T
+    own = np.array([(part**2).sum(axis=0) for part in parts]).reshape(-1, shooting.size)
+    known = np.array([each.freedom for each in follows.found])
+    freedom = _freedom_of_sum(np.diag(covariance), own, known, float(freedom[0]))
+    return Spread(covariance, white, freedom, True, follows.found)
+
+
+def _freedom_of_sum(whole: Floats, parts: Floats, freedom: Floats, rest: float) -> Floats:
+    """Degrees of freedom of sums of variances, by Satterthwaite: parts (J, size) and a rest."""
+    left = np.maximum(whole - parts.sum(axis=0), 0.0) ** 2 / rest
+    spread = left + (parts**2 / freedom[:, None]).sum(axis=0)
+    found = np.full(whole.shape, rest)
+    np.divide(whole**2, spread, out=found, where=spread > 0.0)
+    return np.clip(found, 1.0, rest)
 
 
 def open_directions(shooting: Shooting, covariance: Floats) -> list[Direction]:
@@ -119,9 +142,10 @@ def open_directions(shooting: Shooting, covariance: Floats) -> list[Direction]:
     return found
 
 
-def threshold(shooting: Shooting, count: int) -> float:
+def threshold(freedom: npt.ArrayLike) -> Floats:
     """Rise of twice the cost at the ends of a 95 % interval."""
-    return float(f_distribution.ppf(LEVEL, 1, max(1, count - shooting.n_spent)))
+    found: Floats = f_distribution.ppf(LEVEL, 1, freedom)
+    return found
 
 
 def profile_intervals(
@@ -133,7 +157,9 @@ def profile_intervals(
     has risen by the threshold. Where residuals are correlated, the threshold is larger by the ratio
     of the variances. `Better` where the cost falls instead.
     """
-    rises = spread.ratio * threshold(shooting, fitted.evaluation.rows.residual.size)
+    plain = threshold(shooting.n_free_data(fitted.evaluation))
+    stretch = spread.ratio * threshold(spread.freedom) / plain
+    rises = stretch * plain
     found = []
     for i in range(shooting.h):
         profile = _Profile(shooting, fitted, spread.white, loss, i, float(rises[i]))
@@ -141,7 +167,7 @@ def profile_intervals(
         for side in (-1, 1):
             profile.look_between(side)
         opened, followed = (low_open, high_open), one and other
-        points = profile.points / [1.0, spread.ratio[i]]  # so that one threshold holds for all
+        points = profile.points / [1.0, stretch[i]]  # so that one threshold holds for all
         found.append(Interval(low, high, opened, points, followed))
     return found
 

@@ -115,6 +115,11 @@ class RecordEquations:
             return float(head[self.p + self.nuisances.index((c, key))])
         return float(self.range_of((c, key)).guess)
 
+    def period(self, head: Floats) -> float | None:
+        """Period of the forcing with the parameters of the head."""
+        values = dict(zip(self.free, map(float, head[: self.p]), strict=True))
+        return self.system.with_parameters(**values).period_value
+
     def set_up(self, head: Floats) -> bool:
         """Take the parameters of the head; whether the system admits them."""
         return self.flights.set_up(dict(zip(self.free, map(float, head), strict=False)))

@@ -12,6 +12,7 @@ import xarray as xr
 from nonsmooth.analysis.options import result_attributes
 from nonsmooth.fitting.channels import ObservedChannel
 from nonsmooth.fitting.correlated import NOT_WHITE
+from nonsmooth.fitting.discrepancy import MOTION, SENSOR, SOURCES, TIME_BASE, Discrepancy
 from nonsmooth.fitting.intervals import (
     Better,
     Direction,
@@ -42,6 +43,7 @@ Variables = dict[str, Any]
 _LOWER_MINIMA = 3  # that profiles may find before they are taken as they are
 _PLAIN = "profile of the likelihood, residuals white"
 _WIDENED = "profile of the likelihood, widened for correlated residuals"
+_FOLLOWING = _WIDENED + " and for errors that follow the motion"
 _NEUTRAL = 1e-6  # above 1: a multiplier of 1, of a motion without damping, is known about so well
 _FEW = 20  # data of a channel: their standard deviation is known to a sixth only
 _POOR = 2.0  # prediction error in units of the noise that is worth a word
@@ -93,13 +95,14 @@ def fit_dataset(
     variables |= series_variables(series, times, record_times)
     variables |= tests_of_series(series, best.noise) | _segments(shooting, best)
     variables["noise"] = ("channel", best.noise, {"long_name": "standard deviation of the noise"})
-    most_risen = threshold(shooting, best.evaluation.rows.residual.size)
+    most_risen = float(threshold(shooting.n_free_data(best.evaluation)))
     agrees = search.heights - height(best) < 0.5 * most_risen
     variables |= _starts(shooting, search, agrees, height(best))
     variables |= _directions(directions)
+    variables |= _discrepancies(spread.discrepancies, best.noise)
     words = _open_words(shooting, best, directions)
     names_of_channels = _names_of_channels(shooting)
-    told = _message(best, agrees, words, variables, names_of_channels)
+    told = _message(best, agrees, words, variables, names_of_channels, spread.discrepancies)
     told += _few_words(shooting, best, names_of_channels) + _events_words(best, series)
     steady: dict[str, Any] = {}
     if growth := shooting.multipliers(best.evaluation):
@@ -113,7 +116,7 @@ def fit_dataset(
     gap = float(np.abs(best.evaluation.gap).max(initial=0.0)) * shooting.gap_unit
     attrs = result_attributes(shooting.system, status, told, options) | {
         "open_parameters": words,
-        "interval_method": _WIDENED if spread.is_widened else _PLAIN,
+        "interval_method": _method(spread),
         "largest_gap": gap,
         **steady,
         "profile_threshold": most_risen,
@@ -127,6 +130,7 @@ def fit_dataset(
         "parameter": ("parameter", names, {"long_name": "what is found"}),
         "parameter_0": ("parameter_0", names, {"long_name": "what is found"}),
         "channel": ("channel", np.array(names_of_channels)),
+        "source": ("source", np.array(SOURCES), {"long_name": "source of errors"}),
         "time": ("time", times, {"long_name": "time"}),
         "mark_time": (
             "mark",
@@ -243,8 +247,7 @@ def _marks(shooting: Shooting, best: Fitted) -> Floats:
     """Instants of the only record at which periods of the forcing begin."""
     record, values = shooting.records[0], shooting.head_values(best.u)
     own = shooting.values_in(0, values)
-    fitted = record.system.with_parameters(**dict(zip(record.free, own[: record.p], strict=True)))
-    period = fitted.period_value
+    period = record.period(own)
     if len(shooting.records) > 1 or period is None or not record.times.size:
         return np.zeros(0)
     shift = record.nuisance(-1, "shift", own)
@@ -325,6 +328,49 @@ def _directions(directions: list[Direction]) -> Variables:
     }  # fmt: skip
 
 
+def _discrepancies(found: Sequence[Discrepancy], noise: Floats) -> Variables:
+    """Sizes of the errors that follow the motion."""
+    sizes, times = np.zeros((noise.size, len(SOURCES))), np.full(noise.size, np.nan)
+    for each in found:
+        sizes[each.channel, SOURCES.index(each.source)] = each.size * noise[each.channel]
+        if each.source == TIME_BASE:
+            times[each.channel] = each.time
+    size = {"long_name": "root mean square of the errors that follow the motion"}
+    time = {"long_name": "standard deviation of the times of the samples"}
+    return {
+        "discrepancy": (("channel", "source"), sizes, size),
+        "time_error": ("channel", times, time),
+    }
+
+
+def _method(spread: Spread) -> str:
+    """What the intervals count in."""
+    if spread.discrepancies:
+        return _FOLLOWING
+    return _WIDENED if spread.is_widened else _PLAIN
+
+
+def _source_words(channel: str, found: Sequence[Discrepancy]) -> list[str]:
+    """What errors that follow the motion speak of."""
+    words = {
+        MOTION: (
+            f"part of the residuals of {channel} repeats with the motion: the model or the sensor"
+            " is wrong in a way that noise does not explain; intervals include it as a random"
+            " error, and no interval covers a model that is wrong in any way"
+        ),
+        SENSOR: (
+            f"residuals of {channel} are as if a filter of a few samples acted on it, such as a"
+            " sensor whose band is not wide; intervals include it"
+        ),
+    }
+    return [
+        words.get(each.source)
+        or f"residuals of {channel} are as if the times of its samples were off by about"
+        f" {each.time:.2g}, anew in each period; intervals include it"
+        for each in found
+    ]
+
+
 def _open_words(shooting: Shooting, best: Fitted, directions: list[Direction]) -> str:
     """What the record does not determine, a sentence each."""
     sentences = []
@@ -353,6 +399,7 @@ def _message(
     words: str,
     variables: Variables,
     channels: Sequence[str],
+    discrepancies: Sequence[Discrepancy],
 ) -> str:
     """How the fit ended, and what speaks against it."""
     parts = ["completed" if best.closed else f"not_converged: {NOT_CONVERGED}"]
@@ -373,11 +420,14 @@ def _message(
             " standard error, see profile_followed"
         )
     for c, channel in enumerate(channels):
+        own = [each for each in discrepancies if each.channel == c]
         if variables["whiteness"][1][c] < NOT_WHITE:
-            parts.append(
-                f"residuals of {channel} are correlated, by coloured noise or a model that is"
-                " wrong: intervals are widened for the first, but no interval tells of the second"
+            causes = (
+                ", by coloured noise or a model that is wrong: intervals are widened for the first,"
+                " but no interval tells of the second"
             )
+            parts.append(f"residuals of {channel} are correlated{'' if own else causes}")
+        parts += _source_words(channel, own)
         if variables["prediction_error"][1][c] > _POOR:
             parts.append(f"what was held back of {channel} is predicted poorly")
     return "; ".join(parts)

@@ -120,6 +120,10 @@ class Shooting:
         """Number of unknowns that only the data determine: a cycle has no free start."""
         return self.h + sum(0 if record.is_cycle else self.n for record in self.records)
 
+    def n_free_data(self, found: Evaluation) -> float:
+        """How many data are more than the unknowns, at least one."""
+        return float(max(1, found.rows.residual.size - self.n_spent))
+
     @property
     def limits(self) -> tuple[Floats, Floats]:
         """Least and largest values of the unknowns."""
