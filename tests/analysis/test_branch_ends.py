@@ -188,3 +188,44 @@ def test_a_motion_at_rest_at_zero_is_followed(start):
     assert (branch["r"].min(), branch["r"].max()) == (0.8, 1.3)
     flip = branch["special_value"].values[branch["special_kind"].values == "flip"]
     assert flip == pytest.approx([1.0], abs=1e-12)
+
+
+def test_no_fold_where_an_event_passes_the_section_behind_a_turn_at_a_graze():
+    """Special points do not depend on the phase at which the orbit is cut.
+
+    The branch of the mole turns back at a graze. Sections are placed so that an event passes them
+    a little behind it.
+    """
+    mole = ns.models.moling()
+    usual = ns.continue_orbit(mole, "b", (0.1, 0.17), direction="up")
+    graze = usual["special_kind"].values.tolist().index("grazing")
+    at = int(usual["special_point"][graze])
+    instants = [
+        (usual["leg_time"].values[k, 1:] / usual["length"].values[k]) % 1.0 for k in (at, at + 1)
+    ]
+    for phase in np.mean(instants, axis=0)[np.isfinite(instants).all(axis=0)]:
+        other = ns.continue_orbit(mole, "b", (0.1, 0.17), direction="up", phase=float(phase))
+        assert other["special_kind"].values.tolist() == usual["special_kind"].values.tolist()
+        assert other["special_value"].values == pytest.approx(usual["special_value"].values)
+
+
+@pytest.mark.slow
+def test_no_fold_beside_rebounds_of_a_ball():
+    """A ball with drag on a table, 18 impacts in a period: folds have the multiplier 1."""
+    ball = ns.System(
+        states=["h", "u"],
+        period="1/25",
+        parameters={"A": 5e-4},
+        initial={"h": 0.002},
+        definitions={"s": "A*sin(50*pi*t)", "sv": "50*pi*A*cos(50*pi*t)"},
+        modes={
+            "flight": ns.Mode(
+                {"h": "u", "u": "-9.81 - 0.04*u*abs(u) - 4*h"},
+                exits=[ns.Exit("h - s", reset={"u": "-0.7*u + 1.7*sv"}, sticks="rides",
+                               name="bounce")],
+            )
+        },
+    )  # fmt: skip
+    branch = ns.continue_orbit(ball, "A", (3e-4, 1.2e-3), initial=ns.find_orbit(ball))
+    folds = branch["special_kind"].values == "fold"
+    assert np.all(np.abs(branch["special_multiplier"].values[folds] - 1.0) < 1e-3)

@@ -207,7 +207,8 @@ class SpecialCurve:
         self.ended = part.special or "section"
         self.message = self._at(
             point,
-            f"{part.detail} at the same time, and no orbits beyond were found that meet the same condition",
+            f"{part.detail} at the same time, and no orbits beyond were found that meet the same"
+            " condition",
         )
         return None
 
