@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.continue_special import continue_special
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.criticality import criticality
+    from nonsmooth.analysis.edge_state import edge_state
     from nonsmooth.analysis.ensemble import ensemble
     from nonsmooth.analysis.find_orbit import find_orbit
     from nonsmooth.analysis.full_spectrum import full_spectrum
@@ -99,6 +100,7 @@ __all__ = [
     "continue_special",
     "correlation_dimension",
     "criticality",
+    "edge_state",
     "ensemble",
     "excitation",
     "explore",
@@ -159,6 +161,7 @@ _HOME = {
     "box_dimension": "nonsmooth.analysis.box_dimension",
     "contact_statistics": "nonsmooth.analysis.contact_statistics",
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
+    "edge_state": "nonsmooth.analysis.edge_state",
     "ensemble": "nonsmooth.analysis.ensemble",
     "explore": "nonsmooth.explorer.explore",
     "find_orbit": "nonsmooth.analysis.find_orbit",

@@ -91,6 +91,11 @@ EVEN = ns.System(
     equations={"x": "v", "v": "cos(omega*t) - x - x**3 - 0.2*v"},
     symmetry={"x": "-x", "v": "-v"},
 )
+WELLS = ns.System(
+    states=["x", "v"],
+    period="2*pi",
+    equations={"x": "v", "v": "where(abs(x) < 1, x, 2*sign(x) - x) - 0.2*v"},
+)
 REGION = {"x": (-1.0, 1.0), "v": (-1.0, 1.0)}
 CELLS = {"x": np.linspace(-1.0, 1.0, 3), "v": np.linspace(-1.0, 1.0, 3)}
 COLUMNS = {"parameter": "omega", "values": [0.8, 0.9], "transient": 2, "record": 4}
@@ -179,6 +184,10 @@ def cases():
             {"system": strobes, "region": REGION, "parameter": "omega", "between": (0.8, 0.9)}
             | {"columns": 2, "searches": 0, "samples": 2, "record": 20, "steps": 2},
             {"samples": 10_000},
+        ),
+        "edge_state": (
+            {"system": WELLS, "start_a": {"x": -1.7}, "start_b": {"x": 2.3}, "iterates": 20},
+            {"iterates": 1_000_000},
         ),
         "orbits": (struck | {"samples": 2, "record": 20, "guesses": 2}, {"samples": 10_000}),
         "manifold": (

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import nonsmooth as ns
-from contract.test_wrong_arguments import RUBBING, STRUCK, WRONG, data, fatigue, swing
+from contract.test_wrong_arguments import RUBBING, STRUCK, WELLS, WRONG, data, fatigue, swing
 from nonsmooth.arguments import allowed_arguments
 
 # What a message may say in place of the argument: which variable or kind of dataset is missing.
@@ -48,6 +48,9 @@ MAKE = {
     "corner": lambda: {"data": data("fit")},
     "crack_lengths": lambda: {
         "curve": ns.fatigue.CrackCurve(5.0, 1e-3, 426925.0, 54734.0), "times": [0.0, 4e5],
+    },
+    "edge_state": lambda: {
+        "data": ns.edge_state(WELLS, {"x": -1.7}, {"x": 2.3}, iterates=20),
     },
     "event_markers": lambda: {
         "run": data("run"), "variable": "x", "ax": ns.plot.print_figure()[1][0],

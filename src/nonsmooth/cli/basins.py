@@ -1,4 +1,4 @@
-"""Commands for attractors, their basins, and how predictable the outcomes are."""
+"""Commands for attractors, their basins, borders between them, and how predictable outcomes are."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.cli.arguments import names, need_period, settings, value_limits, value_range
 from nonsmooth.cli.command import Task
-from nonsmooth.cli.report import Column, Report
+from nonsmooth.cli.report import Column, Report, complex_text
 from nonsmooth.cli.saved import saved_dataset
 from nonsmooth.cli.variables import chosen
 from nonsmooth.errors import OptionError, unknown_name
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from nonsmooth.runs.stroboscopic_map import StroboscopicMap
     from nonsmooth.system.system import System
 
-__all__ = ["attractors", "basins", "measures", "region_of"]
+__all__ = ["attractors", "basins", "edge", "measures", "region_of"]
 
 _MOST_CELLS = 100_000_000  # of a grid
 _MOST = 40  # attractors that are printed
@@ -265,6 +265,61 @@ def measures(task: Task) -> None:
 
     task.picture("uncertainty", found)
     task.finish(None, report)
+
+
+def edge(task: Task) -> None:
+    """``nonsmooth edge``."""
+    from nonsmooth.analysis.edge_state import edge_state
+
+    coordinates = _coordinates(task)
+    result = edge_state(_map(task), **task.options("edge_state"))
+
+    task.picture("edge_state", result, *coordinates)
+    report = Report(str(result.attrs["system_name"]))
+    _add_status(report, result)
+    report.add("kind", str(result["kind"].item()), kind=str(result["kind"].item()))
+    report.number("crossing", float(result["crossing"]), ".10g")
+    if result["kind"].item() == "periodic":
+        _add_saddle(report, result)
+    elif bool((result["exponent"] == result["exponent"]).any()):
+        pairs = zip(result["exponent"].values, result["exponent_error"].values, strict=True)
+        exponents = [(float(value), float(error)) for value, error in pairs]
+        text = ", ".join(with_error(*pair) for pair in exponents if pair[0] == pair[0])
+        report.add("exponents per iterate", text, exponents=exponents)
+    rows = [
+        (str(one["side"].item()), str(one["outcome"].item()), int(one["outcome_period"]) or None,
+         float(one["distance"]))
+        for one in (result.isel(side=k) for k in range(2))
+    ]  # fmt: skip
+    columns: list[Column] = [
+        ("side", "side", str),
+        ("leads to", "outcome", str),
+        ("period", "period", _or_blank(str)),
+        ("distance", "distance", lambda far: "" if far != far else f"{far:.4g}"),
+    ]
+    report.table("sides", columns, rows, len(rows))
+    task.finish(result, report, code=task.by_message(result))
+
+
+def _add_saddle(report: Report, result: xr.Dataset) -> None:
+    """Add the saddle on a border: its period, multipliers and points."""
+    report.add("period", f"{int(result['period'])}", period=int(result["period"]))
+    multipliers = result["multipliers"].values
+    report.add("multipliers", ", ".join(map(complex_text, multipliers)), multipliers=multipliers)
+    report.number("residual", float(result["residual"]), ".2g")
+    states = [str(name) for name in result["state"].values]
+    rows = [
+        (k, {name: float(result[name][k]) for name in states}) for k in range(result.sizes["point"])
+    ]
+    columns: list[Column] = [
+        ("point", "number", str),
+        (
+            f"({', '.join(states)})",
+            "states",
+            lambda point: ", ".join(f"{value:.10g}" for value in point.values()),
+        ),
+    ]
+    report.table("points", columns, rows, _MOST)
 
 
 def _add_with_error(report: Report, label: str, value: float, error: float) -> None:

@@ -422,6 +422,23 @@ TABLE = {
         example="nonsmooth basins soft_impact"
         " --over x=-1:1:20 --over v=-1:1:20 --starts 20 --save basins.nc",
     ),
+    "edge": Entry(
+        "Follow the border between two basins to the saddle on it.",
+        "basins.edge",
+        (
+            (
+                "edge_state",
+                "start_a start_b iterates points narrow wide longest record mode tolerance",
+            ),
+            _STROBES,
+            _SECTION,
+        ),
+        (_ON_SECTION, _PAIR),
+        plot="the track along the border and the saddle",
+        save="the result",
+        size=(10.0, 8.0),
+        example="nonsmooth edge gear_pair Omega=0.5 --start-a x=-0.2 --start-b x=1.2",
+    ),
     "measures": Entry(
         "Measure how predictable the outcomes of saved basins are.\n\nThe command prints the"
         " uncertainty exponent, the entropy of the basins, the share of each outcome, and whether"

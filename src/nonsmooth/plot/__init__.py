@@ -16,6 +16,7 @@ from nonsmooth.plot.cascades import waterfall
 from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
+from nonsmooth.plot.edges import edge_state
 from nonsmooth.plot.exponents import exponents, translation
 from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.film_files import save_animation
@@ -66,6 +67,7 @@ __all__ = [
     "corner",
     "crack_lengths",
     "drawing_of",
+    "edge_state",
     "event_markers",
     "exponents",
     "fit",
