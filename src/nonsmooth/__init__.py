@@ -28,8 +28,10 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.criticality import criticality
     from nonsmooth.analysis.edge_state import edge_state
     from nonsmooth.analysis.ensemble import ensemble
+    from nonsmooth.analysis.erosion_profile import erosion_profile
     from nonsmooth.analysis.find_orbit import find_orbit
     from nonsmooth.analysis.full_spectrum import full_spectrum
+    from nonsmooth.analysis.integrity import integrity
     from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.manifold import manifold
@@ -102,12 +104,14 @@ __all__ = [
     "criticality",
     "edge_state",
     "ensemble",
+    "erosion_profile",
     "excitation",
     "explore",
     "fatigue",
     "find_orbit",
     "fit",
     "full_spectrum",
+    "integrity",
     "local_regimes",
     "lyapunov_spectrum",
     "manifold",
@@ -163,6 +167,7 @@ _HOME = {
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
     "edge_state": "nonsmooth.analysis.edge_state",
     "ensemble": "nonsmooth.analysis.ensemble",
+    "erosion_profile": "nonsmooth.analysis.erosion_profile",
     "explore": "nonsmooth.explorer.explore",
     "find_orbit": "nonsmooth.analysis.find_orbit",
     "fit": "nonsmooth.fitting.fit",
@@ -173,6 +178,7 @@ _HOME = {
     "continue_special": "nonsmooth.analysis.continue_special",
     "criticality": "nonsmooth.analysis.criticality",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
+    "integrity": "nonsmooth.analysis.integrity",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "orbits": "nonsmooth.analysis.orbits",

@@ -27,6 +27,7 @@ FEW = {
     "attractors": ["--starts", "4", "--record", "500"],
     "picture": ["--starts", "2", "--record", "50", "--values", "2", "--searches", "0"],
     "basins": ["--starts", "4", "--record", "500"],
+    "erosion": ["--starts", "4", "--record", "500"],
     "fit": ["--starts", "1"],
     "smoothing": ["--periods", "2", "--samples-per-period", "50", "--starts", "2"],
 }

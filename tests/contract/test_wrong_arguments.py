@@ -122,6 +122,7 @@ def data(name):
         "basins": lambda: xr.Dataset(
             {"label": (("y", "x"), np.repeat([1, 2, 3], 20) * np.ones((60, 1), int))}
         ),
+        "cells": lambda: ns.basins_of_attraction(WELLS, CELLS, samples=4),
         "fit": lambda: ns.fit(SPRING, swing(), {"k": (1.0, 9.0)}, starts=1),
         "cloud": lambda: np.random.default_rng(0).normal(size=(3000, 2)),
     }
@@ -180,6 +181,11 @@ def cases():
         "basins_of_attraction": (
             {"system": strobes, "region": CELLS} | SEARCH, {"samples": 10_000},
         ),
+        "erosion_profile": (
+            {"system": strobes, "parameter": "omega", "values": [0.8], "region": CELLS} | SEARCH,
+            {"samples": 10_000, "values": many},
+        ),
+        "integrity": ({"basins": data("cells")}, {}),
         "bifurcation_picture": (
             {"system": strobes, "region": REGION, "parameter": "omega", "between": (0.8, 0.9)}
             | {"columns": 2, "searches": 0, "samples": 2, "record": 20, "steps": 2},

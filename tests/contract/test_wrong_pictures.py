@@ -52,6 +52,11 @@ MAKE = {
     "edge_state": lambda: {
         "data": ns.edge_state(WELLS, {"x": -1.7}, {"x": 2.3}, iterates=20),
     },
+    "erosion_profile": lambda: {
+        "profile": ns.erosion_profile(
+            STRUCK, "omega", [0.8, 0.9], {"x": LINE, "v": LINE}, **FEW
+        ),
+    },
     "event_markers": lambda: {
         "run": data("run"), "variable": "x", "ax": ns.plot.print_figure()[1][0],
     },

@@ -3,6 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import xarray as xr
 
 import nonsmooth as ns
 
@@ -37,3 +38,25 @@ def test_the_saddle_alone_and_the_axes_of_others(edge):
     ]  # fmt: skip
     assert axes.get_ylabel() == "displacement [mm]"
     plt.close(axes.figure)
+
+
+def test_a_profile_with_bands_and_ends_of_the_region():
+    shape = ("parameter", "attractor")
+    profile = xr.Dataset(
+        {
+            "local_integrity": (shape, [[2.0, np.nan], [1.0, 0.5], [0.5, 0.7]]),
+            "local_error": (shape, [[0.1, np.nan], [0.1, 0.1], [0.1, 0.1]]),
+            "local_limit": (shape, [["region", ""], ["border", "border"], ["border", "border"]]),
+            "period": (shape, [[1, 0], [1, 2], [1, 2]]),
+        },
+        {"parameter": ("parameter", [1.0, 2.0, 3.0], {"long_name": "force"}), "attractor": [1, 2]},
+    )
+    ax = ns.plot.erosion_profile(profile)
+    one, ends, two = ax.lines
+    np.testing.assert_array_equal(one.get_ydata(), [2.0, 1.0, 0.5])
+    assert ends.get_xdata().tolist() == [1.0] and two.get_label() == "attractor 2"
+    assert len(ax.collections) == 2 and ax.get_ylim()[0] == 0.0 and ax.get_xlabel() == "force"
+    relative = ns.plot.erosion_profile(profile, relative=True)
+    np.testing.assert_allclose(relative.lines[0].get_ydata(), [1.0, 0.5, 0.25])
+    for each in (ax, relative):
+        plt.close(each.figure)

@@ -68,6 +68,8 @@ RENAMED = {
     ("bifurcation_picture", "columns"): "values",
     ("attractors", "completion"): "complete",
     ("basins_of_attraction", "samples"): "starts",
+    ("erosion_profile", "samples"): "starts",
+    ("erosion_profile", "completion"): "complete",
     ("basins_of_attraction", "completion"): "complete",
     ("continue_orbit", "direction"): "way",
     ("measured.low_pass", "cutoff"): "low_pass",

@@ -91,6 +91,11 @@ FORMS = {
     ),
     "start_a": Form("x=0.1,v=0", initial_state, "Start in one basin; states left out are at rest."),
     "start_b": Form("x=0.1,v=0", initial_state, "Start in the other basin."),
+    "scales": Form(
+        "x=0.1,v=2",
+        initial_state,
+        "Sizes by which states are divided before distances are measured; 1 without it.",
+    ),
     "section": Form(
         "EXPRESSION",
         text="Where points are taken: an expression that is zero there, such as x-0.5, or the name"

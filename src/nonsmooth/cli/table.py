@@ -424,7 +424,7 @@ TABLE = {
     ),
     "edge": Entry(
         "Follow the border between two basins to the saddle on it.",
-        "basins.edge",
+        "edges.edge",
         (
             (
                 "edge_state",
@@ -438,6 +438,37 @@ TABLE = {
         save="the result",
         size=(10.0, 8.0),
         example="nonsmooth edge gear_pair Omega=0.5 --start-a x=-0.2 --start-b x=1.2",
+    ),
+    "erosion": Entry(
+        "Measure how basins shrink over a parameter.\n\nThe command prints the distance of each"
+        " attractor from the border of its basin, the share of the region in the basin, and the"
+        " radius of the largest ball in it.",
+        "edges.erosion",
+        (("erosion_profile", ""), _STROBES, _SECTION),
+        (
+            _ON_SECTION,
+            _over(
+                "The parameter, and each of two states or more, with the first value, the last"
+                " value and how many values.",
+                required=True,
+                multiple=True,
+            ),
+            Own(
+                "draw",
+                "What to draw: the distance of each attractor from the border, the share of the"
+                " region, or the largest ball.",
+                "NAME",
+                "local",
+                ("local", "global", "factor"),
+                drawn=True,
+            ),
+            Own("relative", "Draw each curve beside its largest value.", drawn=True),
+        ),
+        plot="the profile",
+        save="the result",
+        size=(12.0, 8.0),
+        example="nonsmooth erosion gear_pair --over Omega=0.4:0.6:3 --over x=-3:4:30"
+        " --over v=-2:2:30 --starts 40",
     ),
     "measures": Entry(
         "Measure how predictable the outcomes of saved basins are.\n\nThe command prints the"

@@ -17,6 +17,7 @@ from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.edges import edge_state
+from nonsmooth.plot.erosion import erosion_profile
 from nonsmooth.plot.exponents import exponents, translation
 from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.film_files import save_animation
@@ -68,6 +69,7 @@ __all__ = [
     "crack_lengths",
     "drawing_of",
     "edge_state",
+    "erosion_profile",
     "event_markers",
     "exponents",
     "fit",
