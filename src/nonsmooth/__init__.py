@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.erosion_profile import erosion_profile
     from nonsmooth.analysis.find_orbit import find_orbit
     from nonsmooth.analysis.full_spectrum import full_spectrum
+    from nonsmooth.analysis.homoclinic_points import homoclinic_points
+    from nonsmooth.analysis.homoclinic_tangency import homoclinic_tangency
     from nonsmooth.analysis.integrity import integrity
     from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
@@ -111,6 +113,8 @@ __all__ = [
     "find_orbit",
     "fit",
     "full_spectrum",
+    "homoclinic_points",
+    "homoclinic_tangency",
     "integrity",
     "local_regimes",
     "lyapunov_spectrum",
@@ -178,6 +182,8 @@ _HOME = {
     "continue_special": "nonsmooth.analysis.continue_special",
     "criticality": "nonsmooth.analysis.criticality",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
+    "homoclinic_points": "nonsmooth.analysis.homoclinic_points",
+    "homoclinic_tangency": "nonsmooth.analysis.homoclinic_tangency",
     "integrity": "nonsmooth.analysis.integrity",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",

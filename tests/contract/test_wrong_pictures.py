@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import nonsmooth as ns
-from contract.test_wrong_arguments import RUBBING, STRUCK, WELLS, WRONG, data, fatigue, swing
+from contract.test_wrong_arguments import HILL, RUBBING, STRUCK, WELLS, WRONG, data, fatigue, swing
 from nonsmooth.arguments import allowed_arguments
 
 # What a message may say in place of the argument: which variable or kind of dataset is missing.
@@ -68,6 +68,9 @@ MAKE = {
     "growth_curve": lambda: {
         "curve": xr.Dataset({"crack": ("time", 6.0 + LINE)}, {"time": LINE}),
         "sections": {6.0: data("points")}, "x": "x", "y": "v",
+    },
+    "homoclinic_points": lambda: {
+        "data": ns.homoclinic_points(HILL, data("hilltop"), length=0.1),
     },
     "lives": lambda: {"compared": ns.fatigue.compare_lives(**fatigue()["compare_lives"])},
     "load_cycles": lambda: {

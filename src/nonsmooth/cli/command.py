@@ -62,6 +62,8 @@ RENAMED = {
     ("smoothing_report", "period"): "order",
     ("smoothing_report", "samples"): "samples_per_period",
     ("manifold", "side"): "sides",
+    ("homoclinic_points", "side"): "sides",
+    ("homoclinic_points", "to_side"): "to_sides",
     ("attractors", "samples"): "starts",
     ("bifurcation_picture", "samples"): "starts",
     ("bifurcation_picture", "completion"): "complete",

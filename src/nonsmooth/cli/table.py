@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from nonsmooth.cli.arguments import names, time_range
+from nonsmooth.cli.arguments import initial_state, names, time_range
 from nonsmooth.cli.command import Entry
 from nonsmooth.cli.options import Own
 
@@ -289,6 +289,29 @@ TABLE = {
         save="the curves",
         size=(10.0, 8.0),
         example="nonsmooth manifold duffing gamma=0.2 --initial x=-0.08 --plot manifold.png",
+    ),
+    "homoclinic": Entry(
+        "Find where the manifolds of a saddle orbit cross, or over a parameter, where they touch."
+        "\n\nThe orbit is found first, as nonsmooth orbit does.",
+        "orbits.crossings",
+        (
+            ("find_orbit", "initial period word transient phase mode tolerance"),
+            ("homoclinic_points", "length side to_side largest_step smallest_step angle accuracy"),
+        ),
+        (
+            Own(
+                "to",
+                "State near a second saddle, whose stable manifold is taken; without it the"
+                " first one's.",
+                "x=0.1,v=0",
+                convert=initial_state,
+            ),
+            _over("Look between these two values of a parameter for a tangency.", "NAME=A:B"),
+        ),
+        plot="the crossings",
+        save="the result",
+        size=(10.0, 8.0),
+        example="nonsmooth homoclinic duffing gamma=0.3 --initial x=-0.08 --length 6",
     ),
     "continue": Entry(
         "Follow a periodic orbit over a parameter, stable or not, through folds and grazing.\n\n"

@@ -26,6 +26,7 @@ from nonsmooth.plot.fitted_spectra import fit_spectra
 from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
 from nonsmooth.plot.growth_curves import growth_curve
 from nonsmooth.plot.histories import phases, time_history
+from nonsmooth.plot.homoclinic import homoclinic_points
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.likelihood_profiles import profiles
 from nonsmooth.plot.load_cycles import load_cycles
@@ -75,6 +76,7 @@ __all__ = [
     "fit",
     "fit_spectra",
     "growth_curve",
+    "homoclinic_points",
     "lives",
     "load_cycles",
     "manifold",
