@@ -26,9 +26,14 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.continue_special import continue_special
     from nonsmooth.analysis.correlation_dimension import correlation_dimension
     from nonsmooth.analysis.criticality import criticality
+    from nonsmooth.analysis.edge_state import edge_state
     from nonsmooth.analysis.ensemble import ensemble
+    from nonsmooth.analysis.erosion_profile import erosion_profile
     from nonsmooth.analysis.find_orbit import find_orbit
     from nonsmooth.analysis.full_spectrum import full_spectrum
+    from nonsmooth.analysis.homoclinic_points import homoclinic_points
+    from nonsmooth.analysis.homoclinic_tangency import homoclinic_tangency
+    from nonsmooth.analysis.integrity import integrity
     from nonsmooth.analysis.local_regimes import local_regimes
     from nonsmooth.analysis.lyapunov_spectrum import lyapunov_spectrum
     from nonsmooth.analysis.manifold import manifold
@@ -99,13 +104,18 @@ __all__ = [
     "continue_special",
     "correlation_dimension",
     "criticality",
+    "edge_state",
     "ensemble",
+    "erosion_profile",
     "excitation",
     "explore",
     "fatigue",
     "find_orbit",
     "fit",
     "full_spectrum",
+    "homoclinic_points",
+    "homoclinic_tangency",
+    "integrity",
     "local_regimes",
     "lyapunov_spectrum",
     "manifold",
@@ -159,7 +169,9 @@ _HOME = {
     "box_dimension": "nonsmooth.analysis.box_dimension",
     "contact_statistics": "nonsmooth.analysis.contact_statistics",
     "correlation_dimension": "nonsmooth.analysis.correlation_dimension",
+    "edge_state": "nonsmooth.analysis.edge_state",
     "ensemble": "nonsmooth.analysis.ensemble",
+    "erosion_profile": "nonsmooth.analysis.erosion_profile",
     "explore": "nonsmooth.explorer.explore",
     "find_orbit": "nonsmooth.analysis.find_orbit",
     "fit": "nonsmooth.fitting.fit",
@@ -170,6 +182,9 @@ _HOME = {
     "continue_special": "nonsmooth.analysis.continue_special",
     "criticality": "nonsmooth.analysis.criticality",
     "full_spectrum": "nonsmooth.analysis.full_spectrum",
+    "homoclinic_points": "nonsmooth.analysis.homoclinic_points",
+    "homoclinic_tangency": "nonsmooth.analysis.homoclinic_tangency",
+    "integrity": "nonsmooth.analysis.integrity",
     "local_regimes": "nonsmooth.analysis.local_regimes",
     "lyapunov_spectrum": "nonsmooth.analysis.lyapunov_spectrum",
     "orbits": "nonsmooth.analysis.orbits",

@@ -22,11 +22,13 @@ FEW = {
     "regime": ["--transient", "50", "--evidence", "50", "--longest", "50"],
     "regimes": ["--transient", "50", "--evidence", "50", "--longest", "50"],
     "manifold": ["--length", "1"],
+    "homoclinic": ["--length", "1"],
     "continue": ["--steps", "10"],
     "ensemble": ["--record", "5"],
     "attractors": ["--starts", "4", "--record", "500"],
     "picture": ["--starts", "2", "--record", "50", "--values", "2", "--searches", "0"],
     "basins": ["--starts", "4", "--record", "500"],
+    "erosion": ["--starts", "4", "--record", "500"],
     "fit": ["--starts", "1"],
     "smoothing": ["--periods", "2", "--samples-per-period", "50", "--starts", "2"],
 }

@@ -137,6 +137,9 @@ SMALL = {
     "basins": ["--over", "x=-1:1:4", "--over", "v=-1:1:4"],
     "section": ["--section", "v"],
     "manifold": ["--initial", "x=-0.2032,v=1.011"],
+    "homoclinic": ["--initial", "x=-0.2032,v=1.011"],
+    "erosion": ["--over", "omega=0.8:0.9:2", "--over", "x=-1:1:4", "--over", "v=-1:1:4"],
+    "edge": ["--start-a", "x=-0.62241,v=1.01851", "--start-b", "x=-0.91749,v=0.62965"],
     "fit": ["--free", "beta=15:45", "--observe", "x=x"],
     "smoothing": ["--epsilons", "0.1,0.01", "--over", "x=-1:1", "--over", "mu=0.5:0.7"],
 }

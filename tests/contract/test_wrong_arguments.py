@@ -91,6 +91,17 @@ EVEN = ns.System(
     equations={"x": "v", "v": "cos(omega*t) - x - x**3 - 0.2*v"},
     symmetry={"x": "-x", "v": "-v"},
 )
+WELLS = ns.System(
+    states=["x", "v"],
+    period="2*pi",
+    equations={"x": "v", "v": "where(abs(x) < 1, x, 2*sign(x) - x) - 0.2*v"},
+)
+HILL = ns.System(
+    states=["x", "v"],
+    parameters={"k": 1.0},
+    period="2*pi",
+    equations={"x": "v", "v": "k*x + cos(t)"},
+)
 REGION = {"x": (-1.0, 1.0), "v": (-1.0, 1.0)}
 CELLS = {"x": np.linspace(-1.0, 1.0, 3), "v": np.linspace(-1.0, 1.0, 3)}
 COLUMNS = {"parameter": "omega", "values": [0.8, 0.9], "transient": 2, "record": 4}
@@ -117,6 +128,8 @@ def data(name):
         "basins": lambda: xr.Dataset(
             {"label": (("y", "x"), np.repeat([1, 2, 3], 20) * np.ones((60, 1), int))}
         ),
+        "hilltop": lambda: ns.find_orbit(HILL, {"x": -0.5}),
+        "cells": lambda: ns.basins_of_attraction(WELLS, CELLS, samples=4),
         "fit": lambda: ns.fit(SPRING, swing(), {"k": (1.0, 9.0)}, starts=1),
         "cloud": lambda: np.random.default_rng(0).normal(size=(3000, 2)),
     }
@@ -175,14 +188,32 @@ def cases():
         "basins_of_attraction": (
             {"system": strobes, "region": CELLS} | SEARCH, {"samples": 10_000},
         ),
+        "erosion_profile": (
+            {"system": strobes, "parameter": "omega", "values": [0.8], "region": CELLS} | SEARCH,
+            {"samples": 10_000, "values": many},
+        ),
+        "integrity": ({"basins": data("cells")}, {}),
         "bifurcation_picture": (
             {"system": strobes, "region": REGION, "parameter": "omega", "between": (0.8, 0.9)}
             | {"columns": 2, "searches": 0, "samples": 2, "record": 20, "steps": 2},
             {"samples": 10_000},
         ),
+        "edge_state": (
+            {"system": WELLS, "start_a": {"x": -1.7}, "start_b": {"x": 2.3}, "iterates": 20},
+            {"iterates": 1_000_000},
+        ),
         "orbits": (struck | {"samples": 2, "record": 20, "guesses": 2}, {"samples": 10_000}),
         "manifold": (
             struck | {"orbit": data("saddle"), "length": 0.1, "largest_step": 0.02},
+            {"length": 1e6, "largest_step": 1e-3, "steps": 10_000_000},
+        ),
+        "homoclinic_points": (
+            {"system": HILL, "orbit": data("hilltop"), "length": 0.1, "largest_step": 0.02},
+            {"length": 1e6, "largest_step": 1e-3, "steps": 10_000_000},
+        ),
+        "homoclinic_tangency": (
+            {"system": HILL, "orbit": data("hilltop"), "length": 0.1, "largest_step": 0.02}
+            | {"parameter": "k", "between": (1.0, 1.1)},
             {"length": 1e6, "largest_step": 1e-3, "steps": 10_000_000},
         ),
         "return_map": (

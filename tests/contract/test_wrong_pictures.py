@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import nonsmooth as ns
-from contract.test_wrong_arguments import RUBBING, STRUCK, WRONG, data, fatigue, swing
+from contract.test_wrong_arguments import HILL, RUBBING, STRUCK, WELLS, WRONG, data, fatigue, swing
 from nonsmooth.arguments import allowed_arguments
 
 # What a message may say in place of the argument: which variable or kind of dataset is missing.
@@ -49,6 +49,14 @@ MAKE = {
     "crack_lengths": lambda: {
         "curve": ns.fatigue.CrackCurve(5.0, 1e-3, 426925.0, 54734.0), "times": [0.0, 4e5],
     },
+    "edge_state": lambda: {
+        "data": ns.edge_state(WELLS, {"x": -1.7}, {"x": 2.3}, iterates=20),
+    },
+    "erosion_profile": lambda: {
+        "profile": ns.erosion_profile(
+            STRUCK, "omega", [0.8, 0.9], {"x": LINE, "v": LINE}, **FEW
+        ),
+    },
     "event_markers": lambda: {
         "run": data("run"), "variable": "x", "ax": ns.plot.print_figure()[1][0],
     },
@@ -60,6 +68,9 @@ MAKE = {
     "growth_curve": lambda: {
         "curve": xr.Dataset({"crack": ("time", 6.0 + LINE)}, {"time": LINE}),
         "sections": {6.0: data("points")}, "x": "x", "y": "v",
+    },
+    "homoclinic_points": lambda: {
+        "data": ns.homoclinic_points(HILL, data("hilltop"), length=0.1),
     },
     "lives": lambda: {"compared": ns.fatigue.compare_lives(**fatigue()["compare_lives"])},
     "load_cycles": lambda: {

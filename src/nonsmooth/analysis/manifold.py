@@ -5,29 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
-from nonsmooth.analysis.manifolds.curve import Spacing
-from nonsmooth.analysis.manifolds.first_segment import first_segment
-from nonsmooth.analysis.manifolds.manifold_dataset import CurveOfSide, manifold_dataset
-from nonsmooth.analysis.manifolds.saddle import check_plane, find_saddle
-from nonsmooth.analysis.manifolds.stable import grow_stable
-from nonsmooth.analysis.manifolds.unstable import grow_unstable
+from nonsmooth.analysis.manifolds.grow_curves import (
+    SIDES,
+    check_choice,
+    grow_curves,
+    read_spacing,
+)
+from nonsmooth.analysis.manifolds.manifold_dataset import manifold_dataset
+from nonsmooth.analysis.manifolds.saddle import find_saddle
 from nonsmooth.analysis.options import SharedOptions
-from nonsmooth.errors import OptionError, is_known
 from nonsmooth.runs.of_system import map_of
-from nonsmooth.runs.options import finite_number, whole_number
-from nonsmooth.runs.progress import HeldInterrupts, Progress
+from nonsmooth.runs.options import positive_number
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["manifold"]
 
-_STEPS = 200  # of the length, where nothing is said
-_FINEST = 1e-3  # of the largest step
-_FIRST = 0.1  # of the length: the longest first piece
-_SHARPEST = 3.0
 _WHICH = ("unstable", "stable")
-_SIDES = {"both": (1.0, -1.0), "+": (1.0,), "-": (-1.0,)}
 
 
 def manifold(
@@ -179,30 +174,12 @@ def manifold(
     (1.0, 1.0)
     """
     chosen = map_of(system, parameters, tolerance, "manifold", states_only=True)
-    for name, value, known in (("which", which, _WHICH), ("side", side, tuple(_SIDES))):
-        if not is_known(value, known):
-            raise OptionError(f"{name} = {value!r:.60} must be {' or '.join(map(repr, known))}")
-    spacing = _read_spacing(length, largest_step, smallest_step, angle, steps, longest)
-    exact = _positive("accuracy", accuracy)
+    check_choice("which", which, _WHICH)
+    check_choice("side", side, tuple(SIDES))
+    spacing = read_spacing(length, largest_step, smallest_step, angle, steps, longest)
+    exact = positive_number("accuracy", accuracy)
     saddle = find_saddle(chosen, orbit, which, scales, tolerance)
-    grow = grow_unstable if which == "unstable" else grow_stable
-    tasks = [(k, way) for k in range(len(saddle.points)) for way in _SIDES[side]]
-    branches: list[CurveOfSide] = []
-    with HeldInterrupts() as held, Progress("manifold", len(tasks) * spacing.length) as progress:
-        for number, (k, way) in enumerate(tasks):
-
-            def report(done: float, number: int = number) -> None:
-                progress.update((number + min(done / spacing.length, 1.0)) * spacing.length)
-                held.check()
-
-            point = saddle.points[k]
-            if which == "stable":
-                check_plane(point, _FIRST * spacing.length)
-            first = first_segment(saddle, point, way, _FIRST * spacing.length, exact)
-            branches.append(CurveOfSide(k, first, grow(saddle, point, first, spacing, report)))
-            if branches[-1].curve.ended == "interrupted":
-                break
-    complete = all(branch.curve.ended != "interrupted" for branch in branches)
+    branches, complete = grow_curves(saddle, which, side, spacing, exact)
     options = {
         "which": which,
         "length": spacing.length,
@@ -215,30 +192,3 @@ def manifold(
         **SharedOptions(parameters, tolerance).recorded,
     }
     return manifold_dataset(saddle, branches, options, complete=complete)
-
-
-def _read_spacing(
-    length: Any, largest: Any, smallest: Any, angle: Any, steps: Any, longest: Any
-) -> Spacing:
-    """How long curves are to be, and how dense."""
-    whole = _positive("length", length)
-    large = whole / _STEPS if largest is None else _positive("largest_step", largest)
-    small = large * _FINEST if smallest is None else _positive("smallest_step", smallest)
-    if not small < large < whole:
-        raise OptionError(
-            f"smallest_step = {small:g}, largest_step = {large:g} and length = {whole:g} must grow"
-            " in this order"
-        )
-    turn = _positive("angle", angle)
-    if turn > _SHARPEST:
-        raise OptionError(f"angle = {turn:g} must be less than {_SHARPEST:g} (rad); 0.2 is usual")
-    return Spacing(
-        whole, large, small, turn, whole_number("steps", steps), whole_number("longest", longest)
-    )
-
-
-def _positive(name: str, value: Any) -> float:
-    number = finite_number(name, value)
-    if not number > 0.0:
-        raise OptionError(f"{name} = {number:g} must be positive")
-    return number

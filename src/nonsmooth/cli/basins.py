@@ -23,10 +23,13 @@ if TYPE_CHECKING:
     from nonsmooth.runs.stroboscopic_map import StroboscopicMap
     from nonsmooth.system.system import System
 
-__all__ = ["attractors", "basins", "measures", "region_of"]
+__all__ = [
+    "MOST", "add_status", "attractors", "basins", "coordinates_of", "grid_of", "map_of_task",
+    "measures", "or_blank", "region_of",
+]  # fmt: skip
 
 _MOST_CELLS = 100_000_000  # of a grid
-_MOST = 40  # attractors that are printed
+MOST = 40  # attractors that are printed
 _MOST_STATES = 3  # of a point
 _ROUNDING = 1e-12  # of the largest coordinate
 _LONGEST = 28  # letters of a word; those of long cycles are in the file
@@ -37,14 +40,14 @@ def attractors(task: Task) -> None:
     """``nonsmooth attractors``."""
     from nonsmooth.analysis.attractors import attractors as find
 
-    coordinates = _coordinates(task)
+    coordinates = coordinates_of(task)
     region = region_of(task.system, task["over"])
-    result = find(_map(task), region, **_options(task, "attractors"))
+    result = find(map_of_task(task), region, **_options(task, "attractors"))
 
     task.picture("attractors", result, *coordinates)
     attrs = result.attrs
     report = Report(str(attrs["system_name"]))
-    _add_status(report, result)
+    add_status(report, result)
     samples, drawn = attrs["samples"], attrs["drawn_starts"]
     text = (
         f"{samples}" if drawn == samples else f"{samples} of {drawn} drawn, the others inadmissible"
@@ -57,7 +60,7 @@ def attractors(task: Task) -> None:
     task.finish(result, report, code=task.by_message(result))
 
 
-def _coordinates(task: Task) -> list[str]:
+def coordinates_of(task: Task) -> list[str]:
     """Two states to draw, or none, so that the picture chooses."""
     text = task["draw"]
     if text is None:
@@ -71,15 +74,17 @@ def basins(task: Task) -> None:
     """``nonsmooth basins``."""
     from nonsmooth.analysis.basins_of_attraction import basins_of_attraction
 
-    region = _grid(task.system, task["over"])
+    region = grid_of(task.system, task["over"])
     if task.plot is not None and len(region) != 2:
         raise OptionError(f"--plot draws basins over two states, and --over has {len(region)}")
-    result = basins_of_attraction(_map(task), region, **_options(task, "basins_of_attraction"))
+    result = basins_of_attraction(
+        map_of_task(task), region, **_options(task, "basins_of_attraction")
+    )
 
     task.picture("basins", result, colour=task["colour"])
     attrs, label = result.attrs, result["label"]
     report = Report(str(attrs["system_name"]))
-    _add_status(report, result)
+    add_status(report, result)
     text = f"{label.size} ({' x '.join(str(n) for n in reversed(label.shape))})"
     report.add("cells", text, cells={str(name): label.sizes[name] for name in label.dims})
     kinds = ("unsettled", "ended early", "inadmissible", "not computed")
@@ -106,7 +111,7 @@ def region_of(system: System, over: tuple[str, ...]) -> dict[str, tuple[float, f
     return region
 
 
-def _grid(system: System, over: tuple[str, ...]) -> dict[str, np.ndarray]:
+def grid_of(system: System, over: tuple[str, ...]) -> dict[str, np.ndarray]:
     """Values of states from texts such as ``x=-1:1:200``, two states at least."""
     region: dict[str, np.ndarray] = {}
     cells = 1
@@ -134,7 +139,7 @@ def _check_state(system: System, name: str) -> None:
         raise OptionError(f"--over: {unknown_name('state', name, system.states)}")
 
 
-def _map(task: Task) -> PoincareMap | StroboscopicMap:
+def map_of_task(task: Task) -> PoincareMap | StroboscopicMap:
     """The map from strobe to strobe, or from one point of a section to the next."""
     from nonsmooth.runs.poincare_map import PoincareMap
     from nonsmooth.runs.stroboscopic_map import StroboscopicMap
@@ -162,7 +167,8 @@ def _map(task: Task) -> PoincareMap | StroboscopicMap:
     return found
 
 
-def _add_status(report: Report, result: xr.Dataset) -> None:
+def add_status(report: Report, result: xr.Dataset) -> None:
+    """Add the message of a result."""
     message = str(result.attrs["message"])
     report.add("status", message, status=result.attrs["status"], message=message)
 
@@ -194,14 +200,14 @@ def _add_attractors(report: Report, result: xr.Dataset) -> None:
     columns: list[Column] = [
         ("", "attractor", str),
         ("kind", "kind", str),
-        ("period", "period", _or_blank(str)),
+        ("period", "period", or_blank(str)),
         (f"point {_bracketed(states)}", "point", _point_text),
         ("share", "share and share_error", _pair_text),
-        ("multiplier", "multiplier", _or_blank("{:.4g}".format)),
-        ("exponent", "exponent and exponent_error", _or_blank(_pair_text)),
+        ("multiplier", "multiplier", or_blank("{:.4g}".format)),
+        ("exponent", "exponent and exponent_error", or_blank(_pair_text)),
         ("word", "word", lambda w: w if len(w) <= _LONGEST else w[: _LONGEST - 4] + " ..."),
     ]
-    report.table("attractors", columns, rows, _MOST)
+    report.table("attractors", columns, rows, MOST)
 
 
 def _bracketed(states: Sequence[str]) -> str:
@@ -220,7 +226,8 @@ def _pair_text(pair: tuple[float, float]) -> str:
     return with_error(*pair)
 
 
-def _or_blank(text: Any) -> Any:
+def or_blank(text: Any) -> Any:
+    """What writes a value as ``text`` does, and nothing for one that is not known."""
     return lambda value: "" if value is None else text(value)
 
 

@@ -89,6 +89,13 @@ FORMS = {
     "initial": Form(
         "x=0.1,v=0", initial_state, "Initial state. States that you leave out are at rest."
     ),
+    "start_a": Form("x=0.1,v=0", initial_state, "Start in one basin; states left out are at rest."),
+    "start_b": Form("x=0.1,v=0", initial_state, "Start in the other basin."),
+    "scales": Form(
+        "x=0.1,v=2",
+        initial_state,
+        "Sizes by which states are divided before distances are measured; 1 without it.",
+    ),
     "section": Form(
         "EXPRESSION",
         text="Where points are taken: an expression that is zero there, such as x-0.5, or the name"
@@ -192,6 +199,7 @@ LEAST: Mapping[str, float | None] = {
     "refine": 0,
     "bifurcation_picture.columns": 2,
     "searches": 0,
+    "iterates": 1,
     "points": 1,
     "every": 1,
     "exponents": 1,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from nonsmooth.system.system import System
 
-__all__ = ["follow", "manifold", "orbit"]
+__all__ = ["crossings", "follow", "manifold", "orbit"]
 
 _MOST_LEGS = 40  # that are printed
 _MOST_MODES = 12  # of a word
@@ -353,3 +353,57 @@ def _add_borders(report: Report, found: xr.Dataset) -> None:
     ]
     if rows:
         report.table("borders", columns, rows, _MOST_BORDERS)
+
+
+def crossings(task: Task) -> None:
+    """``nonsmooth homoclinic``."""
+    import nonsmooth as ns
+
+    system = task.system
+    saddle = ns.find_orbit(system, **task.options("find_orbit"))
+    if not _exists(saddle):
+        raise OptionError(f"there is no orbit to begin with: {saddle.attrs['message']}")
+    other = None if task["to"] is None else ns.find_orbit(system, task["to"])
+    if other is not None and not _exists(other):
+        raise OptionError(f"--to: there is no orbit: {other.attrs['message']}")
+    strobe = ns.StroboscopicMap(system, phase=task["phase"])
+    options = task.options("homoclinic_points", "tolerance") | {"tolerance": task["tolerance"]}
+    states = [name for name in system.states if name not in system.drift_states]
+    report = Report(system.name)
+    if task["over"] is None:
+        found = ns.homoclinic_points(strobe, saddle, other, **options)
+        task.picture("homoclinic_points", found)
+        report.add("status", found.attrs["message"], status=found.attrs["status"])
+        report.number("orbits", int(found.attrs["n_orbits"]))
+        _add_points(report, found, states, "crossing", "crossing_angle", "angle")
+    else:
+        if task.plot is not None:
+            raise OptionError("--plot draws crossings at one value: leave out --over")
+        parameter, between = _range(system, task["over"])
+        found = ns.homoclinic_tangency(strobe, parameter, between, saddle, other, **options)
+        report.add("status", found.attrs["message"], status=found.attrs["status"])
+        report.add("crossings", found.attrs["crossings"], crossings=found.attrs["crossings"])
+        _add_points(report, found, states, "tangency", parameter, parameter)
+    task.finish(found, report, code=0 if found.attrs["status"] == "completed" else ENDED_EARLY)
+
+
+def _add_points(
+    report: Report, found: xr.Dataset, states: list[str], dim: str, value: str, label: str
+) -> None:
+    """Add one line for each point in which manifolds cross or touch."""
+    rows = []
+    for k in range(found.sizes[dim]):
+        one = found.isel({dim: k})
+        point = {name: float(one[name]) for name in states}
+        rows.append((float(one[value]), point, int(one["images"]), int(one["ahead"])))
+    columns: list[Column] = [
+        (label, value, "{:.12g}".format),
+        (
+            f"({', '.join(states)})",
+            "point",
+            lambda point: ", ".join(f"{each:.10g}" for each in point.values()),
+        ),
+        ("images", "images", str),
+        ("ahead", "ahead", str),
+    ]
+    report.table("points", columns, rows, _MOST_BORDERS)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from nonsmooth.cli.arguments import names, time_range
+from nonsmooth.cli.arguments import initial_state, names, time_range
 from nonsmooth.cli.command import Entry
 from nonsmooth.cli.options import Own
 
@@ -290,6 +290,29 @@ TABLE = {
         size=(10.0, 8.0),
         example="nonsmooth manifold duffing gamma=0.2 --initial x=-0.08 --plot manifold.png",
     ),
+    "homoclinic": Entry(
+        "Find where the manifolds of a saddle orbit cross, or over a parameter, where they touch."
+        "\n\nThe orbit is found first, as nonsmooth orbit does.",
+        "orbits.crossings",
+        (
+            ("find_orbit", "initial period word transient phase mode tolerance"),
+            ("homoclinic_points", "length side to_side largest_step smallest_step angle accuracy"),
+        ),
+        (
+            Own(
+                "to",
+                "State near a second saddle, whose stable manifold is taken; without it the"
+                " first one's.",
+                "x=0.1,v=0",
+                convert=initial_state,
+            ),
+            _over("Look between these two values of a parameter for a tangency.", "NAME=A:B"),
+        ),
+        plot="the crossings",
+        save="the result",
+        size=(10.0, 8.0),
+        example="nonsmooth homoclinic duffing gamma=0.3 --initial x=-0.08 --length 6",
+    ),
     "continue": Entry(
         "Follow a periodic orbit over a parameter, stable or not, through folds and grazing.\n\n"
         "The orbit is found first at the value that the parameter has.",
@@ -421,6 +444,54 @@ TABLE = {
         size=(12.0, 10.0),
         example="nonsmooth basins soft_impact"
         " --over x=-1:1:20 --over v=-1:1:20 --starts 20 --save basins.nc",
+    ),
+    "edge": Entry(
+        "Follow the border between two basins to the saddle on it.",
+        "edges.edge",
+        (
+            (
+                "edge_state",
+                "start_a start_b iterates points narrow wide longest record mode tolerance",
+            ),
+            _STROBES,
+            _SECTION,
+        ),
+        (_ON_SECTION, _PAIR),
+        plot="the track along the border and the saddle",
+        save="the result",
+        size=(10.0, 8.0),
+        example="nonsmooth edge gear_pair Omega=0.5 --start-a x=-0.2 --start-b x=1.2",
+    ),
+    "erosion": Entry(
+        "Measure how basins shrink over a parameter.\n\nThe command prints the distance of each"
+        " attractor from the border of its basin, the share of the region in the basin, and the"
+        " radius of the largest ball in it.",
+        "edges.erosion",
+        (("erosion_profile", ""), _STROBES, _SECTION),
+        (
+            _ON_SECTION,
+            _over(
+                "The parameter, and each of two states or more, with the first value, the last"
+                " value and how many values.",
+                required=True,
+                multiple=True,
+            ),
+            Own(
+                "draw",
+                "What to draw: the distance of each attractor from the border, the share of the"
+                " region, or the largest ball.",
+                "NAME",
+                "local",
+                ("local", "global", "factor"),
+                drawn=True,
+            ),
+            Own("relative", "Draw each curve beside its largest value.", drawn=True),
+        ),
+        plot="the profile",
+        save="the result",
+        size=(12.0, 8.0),
+        example="nonsmooth erosion gear_pair --over Omega=0.4:0.6:3 --over x=-3:4:30"
+        " --over v=-2:2:30 --starts 40",
     ),
     "measures": Entry(
         "Measure how predictable the outcomes of saved basins are.\n\nThe command prints the"

@@ -16,6 +16,8 @@ from nonsmooth.plot.cascades import waterfall
 from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.comparisons import comparison
 from nonsmooth.plot.diagrams import bifurcation
+from nonsmooth.plot.edges import edge_state
+from nonsmooth.plot.erosion import erosion_profile
 from nonsmooth.plot.exponents import exponents, translation
 from nonsmooth.plot.figures import print_figure, save_figure
 from nonsmooth.plot.film_files import save_animation
@@ -24,6 +26,7 @@ from nonsmooth.plot.fitted_spectra import fit_spectra
 from nonsmooth.plot.fracture import crack_lengths, stiffness_laws, stress_intensity
 from nonsmooth.plot.growth_curves import growth_curve
 from nonsmooth.plot.histories import phases, time_history
+from nonsmooth.plot.homoclinic import homoclinic_points
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.likelihood_profiles import profiles
 from nonsmooth.plot.load_cycles import load_cycles
@@ -66,11 +69,14 @@ __all__ = [
     "corner",
     "crack_lengths",
     "drawing_of",
+    "edge_state",
+    "erosion_profile",
     "event_markers",
     "exponents",
     "fit",
     "fit_spectra",
     "growth_curve",
+    "homoclinic_points",
     "lives",
     "load_cycles",
     "manifold",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["place_legend"]
+__all__ = ["place_legend", "with_former"]
 
 # widths in letters: lines of the legend, from them to the texts, between columns
 _HANDLE, _SPACE, _GAP = 2.0, 0.8, 1.2
@@ -100,6 +100,22 @@ def place_legend(
         _grow(panels[0], layout)
     for panel in panels:  # the power of ten of the axis stands beside it, above its numbers
         panel.yaxis.get_offset_text().set_horizontalalignment("right")
+
+
+def with_former(ax: Axes) -> list[Any]:
+    """Entries for a legend: those that the axes have one for, and what is drawn with a label."""
+    former, entries = ax.get_legend(), []
+    if former is not None:
+        for handle, text in zip(former.legend_handles, former.get_texts(), strict=True):
+            if handle is not None:
+                handle.set_label(text.get_text())
+                entries.append(handle)
+    known = {entry.get_label() for entry in entries}
+    for handle in ax.get_legend_handles_labels()[0]:
+        if handle.get_label() not in known:
+            known.add(handle.get_label())
+            entries.append(handle)
+    return entries
 
 
 def _typeset(label: str) -> str:

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.style import LINES, axis_label, finish_axes
+from nonsmooth.plot.legends import place_legend, with_former
+from nonsmooth.plot.style import LINES, axis_label, finish_axes, two_states
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -94,7 +94,7 @@ def manifold(
     )  # fmt: skip
     finish_axes(ax, axis_label(data[across]), axis_label(data[up]))
     if legend:
-        place_legend(ax, _with_former(ax), may_grow=own)
+        place_legend(ax, with_former(ax), may_grow=own)
     return ax
 
 
@@ -103,13 +103,7 @@ def _states(data: xr.Dataset, x: str | None, y: str | None) -> tuple[str, str]:
     if "curve_of_point" not in data.coords or "saddle" not in data:
         raise OptionError("the dataset holds no manifold; give a result of manifold")
     known = [str(name) for name in data["state"].values]
-    for name in (x, y):
-        if name is not None and name not in known:
-            raise OptionError(unknown_name("state", name, known))
-    if len(known) < 2:
-        raise OptionError("the dataset has one state alone, and a picture needs two")
-    first = x if x is not None else next(name for name in known if name != y)
-    return first, y if y is not None else next(name for name in known if name != first)
+    return two_states(known, x, y)
 
 
 def _curves(data: xr.Dataset, across: str, up: str) -> list[tuple[Floats, Floats]]:
@@ -143,19 +137,3 @@ def _mark_borders(ax: Axes, data: xr.Dataset, across: str, up: str) -> None:
                 marker=marker, markersize=_MARK, markerfacecolor="none",
                 markeredgecolor=look["color"], markeredgewidth=0.7, label=f"{kind}s", zorder=4,
             )  # fmt: skip
-
-
-def _with_former(ax: Axes) -> list[Any]:
-    """Entries for a legend: those that the axes have one for, and what is drawn with a label."""
-    former, entries = ax.get_legend(), []
-    if former is not None:
-        for handle, text in zip(former.legend_handles, former.get_texts(), strict=True):
-            if handle is not None:
-                handle.set_label(text.get_text())
-                entries.append(handle)
-    known = {entry.get_label() for entry in entries}
-    for handle in ax.get_legend_handles_labels()[0]:
-        if handle.get_label() not in known:
-            known.add(handle.get_label())
-            entries.append(handle)
-    return entries

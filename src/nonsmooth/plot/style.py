@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +31,7 @@ __all__ = [
     "modes_visited",
     "plain_numbers",
     "text_width",
+    "two_states",
     "wrapped",
 ]
 
@@ -97,6 +99,17 @@ def axis_label(variable: xr.DataArray) -> str:
     units = str(variable.attrs.get("units", ""))
     name = str(variable.attrs.get("long_name") or variable.name or "")
     return name if units in ("", "1", "dimensionless") else f"{name} [{units}]"
+
+
+def two_states(known: Sequence[str], x: str | None, y: str | None) -> tuple[str, str]:
+    """The states to draw across and up: those named, else the first ones."""
+    for name in (x, y):
+        if name is not None and name not in known:
+            raise OptionError(unknown_name("state", name, known))
+    if len(known) < 2:
+        raise OptionError("the dataset has one state alone, and a picture needs two")
+    first = x if x is not None else next(name for name in known if name != y)
+    return first, y if y is not None else next(name for name in known if name != first)
 
 
 def wrapped(label: str, length: float, size: float) -> str:

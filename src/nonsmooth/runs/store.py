@@ -47,6 +47,7 @@ __all__ = [
     "Store",
     "check_store",
     "lock",
+    "part_of_store",
     "read_arrays",
     "reserve",
     "run_stored_tasks",
@@ -57,6 +58,7 @@ __all__ = [
 
 T = TypeVar("T")
 
+_PART = re.compile(r"part-\d{5}")  # a store of several
 _SUFFIX = ".npy"  # of the arrays within the file, as `numpy.load` expects it
 _DIGITS = 64  # of a checksum over all that stands before it, the comment at the end of the file
 _LONGEST = 1000  # entries of an array that are written out
@@ -301,6 +303,18 @@ def check_store(store: str | Path | None) -> None:
     """Refuse a folder that cannot be a store, before long work whose results it would keep."""
     if store is not None:
         _refuse_strangers(_folder(store))
+
+
+def part_of_store(store: str | Path, number: int) -> Path:
+    """Folder of one of several stores in one folder, for long work made of long works."""
+    folder = _folder(store)
+    for path in folder.iterdir():
+        if not _PART.fullmatch(path.name):
+            raise OptionError(
+                f"store = {str(folder)!r} is no store of such work, and not empty: it holds"
+                f" {path.name!r}; give a new folder"
+            )
+    return folder / f"part-{number:05d}"
 
 
 def _folder(path: str | Path) -> Path:

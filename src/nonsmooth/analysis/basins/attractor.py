@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Attractor", "Cycle", "canonical", "refine", "renumbered"]
+__all__ = ["Attractor", "Cycle", "canonical", "in_order", "refine", "renumbered"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]

@@ -18,6 +18,7 @@ from nonsmooth.analysis.basins.attractor_search import (
     INADMISSIBLE,
     UNSETTLED,
     AttractorSearch,
+    FoundAttractors,
     SearchOptions,
     SettledStarts,
     drift_mask,
@@ -34,7 +35,10 @@ from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.store import run_stored_tasks
 
-__all__ = ["NOT_COMPUTED", "Basins", "by_recurrences", "label_starts", "look_closer", "search_from"]
+__all__ = [
+    "NOT_COMPUTED", "Basins", "by_recurrences", "label_grid", "label_starts", "look_closer",
+    "search_from",
+]  # fmt: skip
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -184,6 +188,18 @@ def by_recurrences(
     if not found.complete:
         nothing = np.full(grid.size, NOT_COMPUTED)
         return Basins(found.known.attractors, SettledStarts(nothing, np.zeros_like(nothing)), False)
+    return label_grid(chosen, grid, found, how, shared, protocol)
+
+
+def label_grid(
+    chosen: Any,
+    grid: Grid,
+    found: FoundAttractors,
+    how: SearchOptions,
+    shared: SharedOptions,
+    protocol: dict[str, Any],
+) -> Basins:
+    """Follow the centre of every cell to the attractors that are found, or to further ones."""
     settled, complete = label_starts(
         grid.states, grid.size, found.known.landmarks(), found.known.cycles(),
         lambda: chosen.runner(how.tolerance), longest=how.longest, threads=shared.workers,

@@ -61,6 +61,8 @@ class Curve:
     arclength: Floats  # (P,)
     ended: str  # why it ends: length, attractor, points, images, no_image or interrupted
     borders: list[Border] = field(default_factory=list)
+    # (P,) of an unstable manifold: how far from the orbit the starts of its points lie
+    places: Floats | None = None
 
 
 def finished_curve(
@@ -70,6 +72,7 @@ def finished_curve(
     ended: str,
     borders: list[Border],
     length: float,
+    places: Floats | None = None,
 ) -> Curve:
     """A curve cut at a length, to which gaps at jumps do not count."""
     steps = lengths_of(points)
@@ -77,7 +80,9 @@ def finished_curve(
     along = np.concatenate([[0.0], np.cumsum(steps)])
     end = int(np.searchsorted(along, length, side="right"))
     inside = [border for border in borders if border.place < end]
-    return Curve(points[:end], images[:end], words[:end], along[:end], ended, inside)
+    if places is not None:
+        places = places[:end]
+    return Curve(points[:end], images[:end], words[:end], along[:end], ended, inside, places)
 
 
 def lengths_of(points: Floats) -> Floats:

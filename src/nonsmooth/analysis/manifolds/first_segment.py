@@ -41,7 +41,7 @@ def first_segment(
     half the length leaves a quarter tells that the second order is what there is. All probes have
     to do the same on their way, for that is how far the map is smooth.
     """
-    here, direction, dual = point
+    here, direction, dual, _ = point
     least = _MANY_ROUNDINGS * max(here.coordinates.rounding, 1e-300)
     length = longest
     factor = abs(saddle.multiplier**2 - saddle.others)

@@ -39,6 +39,7 @@ class SaddlePoint(NamedTuple):
     here: LocalMap  # with the point as its origin
     direction: Floats  # (d,) unit vector along the manifold
     dual: Floats  # (d,) left eigenvector, whose product with the direction is one
+    leaving: Floats  # (d,) the left eigenvector of the unstable direction
 
 
 @dataclass(frozen=True)
@@ -269,14 +270,15 @@ def _directed(here: LocalMap, jacobian: Floats, which: str) -> SaddlePoint:
         direction = _oriented(right[:, unstable].real)
         by_left, left = np.linalg.eig(jacobian.T)
         dual = left[:, np.argmin(np.abs(by_left - values[unstable]))].real
-        return SaddlePoint(here, direction, dual / (dual @ direction))
+        dual = dual / (dual @ direction)
+        return SaddlePoint(here, direction, dual, dual)
     along, across = _oriented(right[:, stable].real), _oriented(right[:, unstable].real)
     basis = np.eye(2)
     if along.size > 2:
         basis = np.linalg.qr(np.column_stack([along, across]))[0]
         here = here.at(here.coordinates.origin, basis)
     both = np.linalg.inv(np.column_stack([basis.T @ along, basis.T @ across]))
-    return SaddlePoint(here, basis.T @ along, both[0])
+    return SaddlePoint(here, basis.T @ along, both[0], both[1])
 
 
 def _oriented(vector: Floats) -> Floats:

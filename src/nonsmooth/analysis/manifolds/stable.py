@@ -230,7 +230,7 @@ class _CircleSearch:
         return np.asarray(self.points[-1] + np.asarray(radius)[..., None] * ways)
 
     def closest(self, radius: float, angles: Floats, images: Floats, most: float) -> _Found | None:
-        """Crossing of the images of one circle with the curve, nearest to straight on."""
+        """ManifoldCrossing of the images of one circle with the curve, nearest to straight on."""
         crossings = self.crossings(angles, images)
         for k in np.argsort(np.abs(crossings[:, 0])):
             if abs(crossings[k, 0]) > most + angles[1] - angles[0]:

@@ -290,7 +290,7 @@ class _Growth:
 
     def curve(self, ended: str) -> Curve:
         """All images one after the other, cut at the wanted length."""
-        points, numbers, words = [], [], []
+        points, numbers, words, places = [], [], [], []
         borders: list[Border] = []
         count = 0
         for image in self.images:
@@ -304,11 +304,12 @@ class _Growth:
             ]
             count += int(kept.sum())
             points.append(image.points[kept])
+            places.append(image.places[kept])
             numbers.append(np.full(int(kept.sum()), image.number))
             words.append(self.words(image, kept))
         return finished_curve(
             np.concatenate(points), np.concatenate(numbers), np.concatenate(words), ended, borders,
-            self.spacing.length,
+            self.spacing.length, np.concatenate(places),
         )  # fmt: skip
 
     def words(self, image: _Image, kept: Flags) -> npt.NDArray[np.str_]:

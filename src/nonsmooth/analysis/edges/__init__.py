@@ -1,0 +1,1 @@
+"""Motions on the border of two basins."""
