@@ -215,6 +215,7 @@ def test_a_border_at_which_two_flows_part_has_no_saddle():
     assert np.isnan(edge["multipliers"].values).all()
 
 
+@pytest.mark.slow
 def test_a_chaotic_set_on_the_border():
     """A tent map drives the border, so both exponents are logarithms of slopes.
 

@@ -260,6 +260,7 @@ def across_by_scipy(force, places, periods):
     return away[:, 1] - into * away[:, 0]
 
 
+@pytest.mark.slow
 def test_a_tangency_of_a_driven_mass_by_scipy():
     """Below the force that is found, motions from the hill stay on one side of it; above, not.
 

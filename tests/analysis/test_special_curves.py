@@ -86,6 +86,7 @@ def test_fold_and_flip_curves_meet_the_torus_curve():
         assert a == pytest.approx(4 * factor, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_other_curve_begins_at_a_point_of_codimension_two():
     b = -0.8
     x = (-(1 - b) + np.sqrt((1 - b) ** 2 + 8)) / 4
@@ -221,6 +222,7 @@ def test_grazing_flips_beside_closed_forms(flips):
         assert omega == pytest.approx(float(exact[1]), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_the_grazing_curve_meets_the_flip_curve_at_the_same_points(twice, flips):
     place = number_of(twice, "grazing")
     curve = ns.continue_special(twice, place, "omega", (0.6, 1.2), steps=400)
@@ -268,6 +270,7 @@ def drill():
     return ns.continue_orbit(system, "w", (1.15, 1.5))
 
 
+@pytest.mark.slow
 def test_a_torus_curve_ends_where_its_pair_becomes_real(drill):
     """At the 1:1 resonance, which the fold curve passes too; no neutral saddles lie on it."""
     curve = ns.continue_special(drill, number_of(drill, "torus"), "r", (0.7, 0.95))

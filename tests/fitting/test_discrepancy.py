@@ -111,6 +111,7 @@ def test_an_error_that_repeats_with_the_motion_is_told_as_one_of_the_model():
     assert size == pytest.approx(expected, rel=0.67)
 
 
+@pytest.mark.slow
 def test_an_error_of_the_model_in_each_of_two_records_is_told_for_each():
     rng = np.random.default_rng(4)
     clean = motion(TIMES) + NOISE * rng.standard_normal(TIMES.size)
@@ -124,6 +125,7 @@ def test_an_error_of_the_model_in_each_of_two_records_is_told_for_each():
 
 
 @pytest.mark.parametrize("colour", [0.0, 0.7])
+@pytest.mark.slow
 def test_noise_is_not_taken_for_an_error_that_follows_the_motion(colour):
     """Three families at a level of 0.01: of 20 records, more than 3 have a chance of 0.3 %."""
     rng = np.random.default_rng(5)

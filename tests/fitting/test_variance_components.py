@@ -53,6 +53,7 @@ def test_noise_alone_speaks_for_no_family_but_as_often_as_the_level():
     assert 20 - 13.1 <= count <= 20 + 13.1
 
 
+@pytest.mark.slow
 def test_two_families_are_told_from_each_other():
     """Means of variances over 60 draws, to three standard errors of what each draw says."""
     rng = np.random.default_rng(3)
