@@ -208,3 +208,28 @@ def test_the_errors_of_quasi_periodic_motion_are_those_of_the_rule():
         assert all(abs(float(rate)) <= 3.0 * float(error) for rate, error in told)
     else:
         assert abs(float(told[1][0])) < 0.75 * abs(float(told[0][0]))
+
+
+def test_a_diagram_tells_rest():
+    """Rounding that is left of a decay repeats after any number of strobes; rest has one point."""
+    damped = System(
+        states=["x", "v"], parameters={"c": 0.06}, period="1.0*c/c",
+        equations={"x": "v", "v": "-x - c*v + 0.5"},
+    )  # fmt: skip
+    found = ns.bifurcation_diagram(
+        damped, "c", [0.04, 0.06, 0.2, 1.0], initial={"x": 0.3}, transient=1000, record=60
+    )
+    assert np.all(found["period"] == 1)
+    # exp(-0.03 * 20) of the start is left after 20 strobes: that is no rest yet
+    early = ns.bifurcation_diagram(damped, "c", [0.06], initial={"x": 0.3}, transient=20, record=60)
+    assert np.all(early["period"] == 0)
+    outer = System(
+        states=["x", "y", "z"], parameters={"beta": 100 / 7}, period="1.0*beta/beta",
+        equations={
+            "x": "6*(y - x + 5/7*x + 3/14*(abs(x + 1) - abs(x - 1)))",
+            "y": "x - y + z", "z": "-beta*y",
+        },
+    )  # fmt: skip
+    for start in ({"x": 0.1}, {"x": 1.0, "z": -1.0}):
+        chua = ns.bifurcation_diagram(outer, "beta", [100 / 7], initial=start, transient=1000)
+        assert np.all(chua["period"] == 1)

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import End
+from nonsmooth.analysis.exponents.interval_tangents import IntervalTangents
 from nonsmooth.analysis.exponents.neighbours import (
     Neighbours,
     is_forgetful,
@@ -18,19 +19,11 @@ from nonsmooth.analysis.exponents.neighbours import (
 )
 from nonsmooth.analysis.regimes import labels
 from nonsmooth.analysis.regimes.by_growth import Evidence, by_growth
-from nonsmooth.analysis.regimes.interval_tangents import IntervalTangents
 from nonsmooth.analysis.regimes.labels import Verdict
 from nonsmooth.analysis.regimes.options import RegimeProtocol
-from nonsmooth.analysis.regimes.rest import (
-    approaches_rest,
-    drifts_rest,
-    natural_sizes,
-    rests,
-    sunk,
-    way_left,
-)
 from nonsmooth.analysis.regimes.window import Windows, cyclic_word, window_times
 from nonsmooth.analysis.settle import Group
+from nonsmooth.analysis.statistics.rest import comes_to_rest, natural_sizes, way_left
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.crew import Stopped
@@ -131,7 +124,7 @@ class _Motions:
         closing = same & (now == 0) & ~is_last
         with np.errstate(invalid="ignore"):
             closer = rest_now < _CLOSING * rest_before
-        closing &= closer | (windows.halves(self.drifting) & self.autonomous)
+        closing &= closer | (windows.shrink(self.drifting) & self.autonomous)
         for i in np.flatnonzero(closing).tolist():
             self.verdicts[i] = seen[i].unsettled(
                 "strobes come closer to each other from window to window"
@@ -193,24 +186,18 @@ class _Motions:
         mode to mode.
         """
         still, match = ~self.drifting, self.protocol.match
-        resting = alive & sunk(windows, self.drifting, self.sizes, match, not self.autonomous)
+        resting = alive & windows.sunk(self.drifting, self.sizes, match, driven=not self.autonomous)
         resting &= self.autonomous or bool(np.all(still))  # a drift may be what is driven
         if not self.autonomous or not np.any(still):
             return resting
         small = (windows.ranges <= match * self.sizes) & still
-        halves = windows.halves(self.drifting)
         for i in np.flatnonzero(alive & ~resting & np.any(small, axis=1)).tolist():
-            block_over = partial(self._tangents.over_part, windows, i)
+            block_over = partial(self._tangents.over_part, i, windows.last(i))
             block, natural = block_over(1.0), natural_sizes(self.sizes[i, still], block_over)
             self.natural[i, still] = natural
-            if not np.all(windows.ranges[i, still] <= match * natural):
-                continue
-            points = windows.points[i][:, still]
-            resting[i] = (
-                halves[i]
-                if windows.passes[i]
-                else block is not None and approaches_rest(points, block, natural, match)
-            )
+            points, ranges = windows.points[i][:, still], windows.ranges[i, still]
+            passes = bool(windows.passes[i])
+            resting[i] = comes_to_rest(points, ranges, natural, block, match, passes=passes)
         return resting
 
     def _returns(self, windows: Windows, alive: Bools, resting: Bools) -> tuple[Integers, Floats]:
@@ -292,9 +279,9 @@ class _Motions:
         """Label of a motion that repeats, by its multipliers."""
         p, match = seen.period, self.protocol.match
         steady = p == 1 and seen.events == 0
-        steady = steady and rests(windows, i, self.drifting, self.sizes[i], match)
+        steady = steady and windows.rests(i, self.drifting, self.sizes[i], match)
         self.reached[i] += 2  # what follows looks into the next two intervals
-        found = self._tangents.over_period(windows, i, p)
+        found = self._tangents.over_period(i, windows.last(i), p)
         if self._has_ended(i):
             return self._ended(i, int(self.reached[i]))
         if found is None:
@@ -325,7 +312,7 @@ class _Motions:
         unit = np.where(natural > 0.0, natural, 1.0)
         seen = replace(seen, residual=float((step / unit).max()))
         self.reached[i] += 2
-        found = self._tangents.over_period(windows, i, 1)
+        found = self._tangents.over_period(i, windows.last(i), 1)
         if self._has_ended(i):
             return self._ended(i, int(self.reached[i]))
         multipliers = None if found is None else multipliers_of(found[1], autonomous=False)
@@ -350,7 +337,7 @@ class _Motions:
     def _steady(self, windows: Windows, i: int, seen: Verdict) -> Verdict:
         """Label of a motion in which drifts alone may change."""
         first, match = self.first_states[i], self.protocol.match
-        if drifts_rest(windows, i, self.drifting, first, match):
+        if windows.drifts_rest(i, self.drifting, first, match):
             return seen.named(labels.EQUILIBRIUM, f"nothing changes; {_repeats(seen)}")
         which = ", ".join(self.system.drift_states)
         return seen.named(
@@ -361,7 +348,7 @@ class _Motions:
         """Why a motion whose strobes hardly differ has a way to go, "" where it has none."""
         still, match = ~self.drifting, self.protocol.match
         away = way_left(windows.points[i, -2:][:, still], block)[0]
-        block_over = partial(self._tangents.over_part, windows, i)
+        block_over = partial(self._tangents.over_part, i, windows.last(i))
         far = away > match * natural_sizes(self.sizes[i, still], block_over)
         if not np.any(far):
             return ""

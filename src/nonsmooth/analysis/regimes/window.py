@@ -20,9 +20,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
+from nonsmooth.analysis.exponents.interval_tangents import Strobe
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.periodicity import nearest_returns, scales, settled_periods
+from nonsmooth.analysis.statistics.rest import halves
 from nonsmooth.analysis.zero_one_test import correlations_of
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.sweep_runner import Recorded, Times
@@ -108,14 +110,10 @@ class Windows:
         """Strobe intervals of each window."""
         return (self.points.shape[1] - 1) // 2
 
-    def end(self, i: int) -> Instant:
-        """Instant of the last strobe of motion i."""
-        return Instant(int(self.numbers[i, -1]), float(self.phases[i, -1]))
-
-    @property
-    def ranges(self) -> Floats:
-        """Range of each state over both windows, (M, n)."""
-        return self.high - self.low
+    def last(self, i: int) -> Strobe:
+        """The last strobe of motion i."""
+        instant = Instant(int(self.numbers[i, -1]), float(self.phases[i, -1]))
+        return Strobe(self.points[i, -1], int(self.modes[i, -1]), instant)
 
     @cached_property
     def passes(self) -> Bools:
@@ -123,13 +121,41 @@ class Windows:
         first = np.zeros(len(self.points), np.int64)
         return self.events.counts(self.events.between(first, first + 2 * self.record))[0] > 0
 
-    def halves(self, drifting: Bools) -> Bools:
+    @property
+    def ranges(self) -> Floats:
+        """Range of each state over both windows, (M, n)."""
+        return self.high - self.low
+
+    def rests(self, i: int, drifting: Bools, sizes: Floats, match: float) -> bool:
+        """Whether the states of motion i between strobes are those at strobes, but for drifts."""
+        here = self.points[i, -1]
+        away = np.abs(self.between[i] - here).max(axis=0)
+        close = away <= match * np.maximum(np.abs(here), match * sizes)
+        same_mode = np.all(self.modes_between[i] == self.modes[i, -1])
+        return bool(np.all(close | drifting) and same_mode)
+
+    def drifts_rest(self, i: int, drifting: Bools, first: Floats, match: float) -> bool:
+        """Whether drifts have come to rest: hardly a step is left of the way since the start."""
+        here, before = self.points[i, -1], self.points[i, -2]
+        way = np.abs(here - first) * match
+        step = np.maximum(np.abs(self.between[i] - here).max(axis=0), np.abs(here - before))
+        return bool(np.all((step <= way + 16.0 * _EPSILON * np.abs(here))[drifting]))
+
+    def sunk(self, drifting: Bools, sizes: Floats, match: float, *, driven: bool) -> Bools:
+        """Which motions have died away, events included: to ``match`` squared of their sizes.
+
+        Events go on for ever where a motion comes to rest on a surface. A force may switch modes
+        although no state moves, so all states of a driven motion must have died away to zero.
+
+        sizes: (M, n) since the start
+        """
+        left = np.maximum(np.abs(self.low), np.abs(self.high)) if driven else self.ranges
+        away = np.all((left <= match * match * sizes) | drifting, axis=1)
+        return np.asarray(away & np.any((sizes > 0.0) & ~drifting, axis=1))
+
+    def shrink(self, drifting: Bools) -> Bools:
         """Which motions have lost half of the spread of every state in a window, or more, (M,)."""
-        before, now = (
-            np.ptp(part, axis=1)
-            for part in (self.points[:, : self.record + 1], self.points[:, self.record :])
-        )
-        return np.asarray(np.all((now <= _HALF * before) | drifting, axis=1))
+        return np.asarray(np.all(halves(self.points) | drifting, axis=1))
 
     def returns(
         self, motions: Integers, drifting: Bools, sizes: Floats, match: float

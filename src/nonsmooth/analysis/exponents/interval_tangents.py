@@ -1,12 +1,13 @@
-"""Derivatives of motions over strobe intervals that follow the last strobe of a window."""
+"""Derivatives of motions over the strobe intervals that follow a strobe."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.exponents.neighbours import OrbitTangent, orbit_map
-from nonsmooth.analysis.regimes.window import Windows
 from nonsmooth.analysis.settle import Group
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
@@ -15,11 +16,19 @@ from nonsmooth.runs.runner import Derivatives, build_derivatives
 from nonsmooth.runs.sweep_runner import Times
 from nonsmooth.runs.tangent_flow import TangentFlow
 
-__all__ = ["IntervalTangents"]
+__all__ = ["IntervalTangents", "Strobe"]
 
 _ELSEWHERE = (0.0, 0.382, 0.764)  # parts of a period at which derivatives may begin
 
 Floats = npt.NDArray[np.float64]
+
+
+class Strobe(NamedTuple):
+    """A point of a motion from where derivatives are taken."""
+
+    state: Floats
+    mode: int
+    instant: Instant
 
 
 class IntervalTangents:
@@ -39,21 +48,20 @@ class IntervalTangents:
             self._known[i] = tables, build_derivatives(group.system, tables, (), values)
         return self._known[i]
 
-    def over_part(self, windows: Windows, i: int, part: float) -> Floats | None:
-        """Derivatives over a part of the interval after the last strobe, but for drifts.
+    def over_part(self, i: int, strobe: Strobe, part: float) -> Floats | None:
+        """Derivatives over a part of the interval after a strobe of motion i, but for drifts.
 
         None where they are not known.
         """
-        state, mode, end = windows.points[i, -1], int(windows.modes[i, -1]), windows.end(i)
-        return orbit_map(self._orbit(i, state, mode, end, part), self._drifting)
+        return orbit_map(self._orbit(i, *strobe, part), self._drifting)
 
-    def over_period(self, windows: Windows, i: int, p: int) -> tuple[OrbitTangent, Floats] | None:
+    def over_period(self, i: int, strobe: Strobe, p: int) -> tuple[OrbitTangent, Floats] | None:
         """Derivatives over p intervals, and the point at which they begin; None if not known.
 
-        At a strobe, or elsewhere within two intervals: a strobe may lie on a guard. The motion is
-        carried on to there, where it may end.
+        At the last strobe, or elsewhere within two intervals: a strobe may lie on a guard. The
+        motion is carried on to there, where it may end.
         """
-        state, mode, end = windows.points[i, -1], int(windows.modes[i, -1]), windows.end(i)
+        state, mode, end = strobe
         for part in _ELSEWHERE:
             begin = self._after(i, end, 1.0 + part) if part else end
             if part:

@@ -1,4 +1,4 @@
-"""Whether motions rest, or are on their last way to where they will.
+"""Whether motions that nothing drives are at rest, or on the last of their way there.
 
 A state that decays to zero repeats to no part of its own size: a spiral looks alike at any size. So
 the motion counts beside what the state was since the start, and beside what one strobe interval
@@ -13,47 +13,50 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.regimes.window import Windows
+__all__ = ["comes_to_rest", "halves", "natural_sizes", "way_left"]
 
-__all__ = ["approaches_rest", "drifts_rest", "natural_sizes", "rests", "sunk", "way_left"]
-
-Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
 
 _ROUNDING = 16.0 * float(np.finfo(float).eps)  # of a size, from strobe to strobe
+_HALF = 0.5  # of the spread of every state at most is left in the second half of a decay
 _REMEMBERED = 0.5  # multiplier of a part of an interval in which neighbours do not forget
 _LEAST_PART = 1e-6  # of an interval
-_PART = 0.5  # of the windows over which neighbours shrink at least, while they shrink in all
+_PART = 0.5  # of the strobes over which neighbours shrink at least, while they shrink in all
 
 
-def rests(windows: Windows, i: int, drifting: Bools, sizes: Floats, match: float) -> bool:
-    """Whether the states of motion i between strobes are those at strobes, but for drifts."""
-    here = windows.points[i, -1]
-    away = np.abs(windows.between[i] - here).max(axis=0)
-    close = away <= match * np.maximum(np.abs(here), match * sizes)
-    same_mode = np.all(windows.modes_between[i] == windows.modes[i, -1])
-    return bool(np.all(close | drifting) and same_mode)
+def comes_to_rest(
+    points: Floats,
+    ranges: Floats,
+    natural: Floats,
+    block: Floats | None,
+    match: float,
+    *,
+    passes: bool,
+) -> bool:
+    """Whether a motion keeps within ``match`` of its natural sizes, and nearer and nearer to rest.
 
+    As its neighbours do; or where it passes from mode to mode, by half or more of every spread, as
+    derivatives over one interval say nothing there.
 
-def drifts_rest(windows: Windows, i: int, drifting: Bools, first: Floats, match: float) -> bool:
-    """Whether drifts have come to rest: hardly a step is left of the way since the start."""
-    here, before = windows.points[i, -1], windows.points[i, -2]
-    way = np.abs(here - first) * match
-    step = np.maximum(np.abs(windows.between[i] - here).max(axis=0), np.abs(here - before))
-    return bool(np.all((step <= way + _ROUNDING * np.abs(here))[drifting]))
-
-
-def sunk(windows: Windows, drifting: Bools, sizes: Floats, match: float, driven: bool) -> Bools:
-    """Which motions have died away, events included: to ``match`` times ``match`` of their sizes.
-
-    Events go on for ever where a motion comes to rest on a surface. A force may switch modes
-    although no state moves, so all states of a driven motion must have died away to zero.
-
-    sizes: (M, n) since the start
+    shapes: points (K, k) of strobes in a row without drifts; ranges (k,) of the states over them;
+    natural (k,), see `natural_sizes`; block (k, k) of derivatives over an interval behind the last
+    strobe, None where not known; passes: whether events happened
     """
-    left = np.maximum(np.abs(windows.low), np.abs(windows.high)) if driven else windows.ranges
-    away = np.all((left <= match * match * sizes) | drifting, axis=1)
-    return np.asarray(away & np.any((sizes > 0.0) & ~drifting, axis=1))
+    if not np.all(ranges <= match * natural):
+        return False
+    if passes:
+        return bool(np.all(halves(points[None])))
+    return block is not None and _approaches(points, block, natural, match)
+
+
+def halves(points: Floats) -> npt.NDArray[np.bool_]:
+    """Which states have lost half of their spread or more in the second half of their points.
+
+    shapes: points (M, K, k); returns (M, k)
+    """
+    middle = points.shape[1] // 2
+    before, now = (np.ptp(part, axis=1) for part in (points[:, : middle + 1], points[:, middle:]))
+    return np.asarray(now <= _HALF * before)
 
 
 def natural_sizes(sizes: Floats, block_over: Callable[[float], Floats | None]) -> Floats:
@@ -85,7 +88,7 @@ def way_left(points: Floats, block: Floats) -> Floats:
         return np.full(steps.shape, np.inf)
 
 
-def approaches_rest(points: Floats, block: Floats, natural: Floats, match: float) -> bool:
+def _approaches(points: Floats, block: Floats, natural: Floats, match: float) -> bool:
     """Whether strobes lie within ``match`` of a point of rest and come nearer as neighbours do.
 
     A cycle as small as that keeps its distance. shapes: points (2 R + 1, k) of two windows in one
