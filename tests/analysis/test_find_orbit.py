@@ -188,3 +188,28 @@ def test_orbits_of_other_systems_and_several_orbits_are_refused():
     )
     with pytest.raises(ns.OptionError, match="no motion repeats exactly"):
         ns.find_orbit(driven_by_record)
+
+
+def test_a_counter_that_grows_closes_no_turn():
+    """Each hit adds one to n, and n + 1 = n has no solution; at four it begins anew."""
+
+    def worn(renewed, **options):
+        exits = [ns.Exit("0.2 - x", reset={"v": "-0.75*v", "n": "n + 1"}, name="hit")]
+        if renewed:
+            exits.append(ns.Exit("3.5 - n", reset={"n": "0"}, name="renew"))
+        flow = {"x": "v", "v": "cos(1.7*t) - 0.1*v - x", "n": "0"}
+        return ns.System(
+            states=["x", "v", "n"], period="2*pi/1.7", modes={"free": ns.Mode(flow, exits=exits)},
+            **options,
+        )  # fmt: skip
+
+    found = ns.find_orbit(worn(renewed=True))
+    assert found.attrs["status"] != "completed"
+    message = found.attrs["message"]
+    assert "n changes by 1 in each turn" in message
+    assert 'drift=["n"]' in message and "period=" in message and "grazes" not in message
+    four = ns.find_orbit(worn(renewed=True), period=4)
+    assert four.attrs["status"] == "completed"
+    drifting = ns.find_orbit(worn(renewed=False, drift=["n"]))
+    assert drifting.attrs["status"] == "completed"
+    assert float(drifting["n_per_period"]) == pytest.approx(1.0, abs=1e-12)

@@ -1,5 +1,6 @@
 """All periodic orbits of systems whose orbits are known."""
 
+import re
 from collections import Counter
 from fractions import Fraction
 from itertools import product
@@ -257,3 +258,36 @@ def test_refusals(options, message):
 def test_a_map_of_several_periods_is_refused():
     with pytest.raises(ns.OptionError, match="every=1"):
         ns.orbits(ns.StroboscopicMap(rigid_wall(), every=2))
+
+
+def test_without_a_region_it_says_from_where_starts_were_drawn():
+    """Between two stops the motion from rest strikes neither; two orbits that strike lie beyond."""
+    stops = ns.System(
+        states=["x", "v"], period="2*pi/w",
+        parameters={"F": 0.9, "w": 2.0, "z": 0.06, "al": 0.3, "gap": 0.9, "gm": 1.4, "r": 0.7},
+        modes={
+            "free": ns.Mode(
+                {"x": "v", "v": "F*cos(w*t) - 2*z*v - x - al*x**3"},
+                exits=[
+                    ns.Exit("gap - x", reset={"v": "-r*v"}, name="right"),
+                    ns.Exit("x + gm", reset={"v": "-r*v"}, name="left"),
+                ],
+            )
+        },
+    )  # fmt: skip
+    narrow = ns.orbits(stops, longest=2)
+    told = re.search(
+        r"initial= \(x (\S+) to (\S+), v (\S+) to (\S+)\): a wider region=",
+        narrow.attrs["message"],
+    )
+    assert told is not None
+    wide = ns.orbits(stops, {"x": (-1.4, 0.9), "v": (-3, 3)}, longest=2)
+    assert "wider region=" not in wide.attrs["message"]
+    assert wide.sizes["orbit"] > narrow.sizes["orbit"]
+    # the range of strobes of the motion from rest, and half of it on either side
+    run = ns.simulate(stops, periods=500, samples_per_period=1)
+    for name, ends in zip(("x", "v"), (told.groups()[:2], told.groups()[2:]), strict=True):
+        low, high = float(run[name].min()), float(run[name].max())
+        wider = 0.5 * (high - low)
+        found = [float(end) for end in ends]
+        assert found == pytest.approx([low - wider, high + wider], rel=6e-3)  # three digits

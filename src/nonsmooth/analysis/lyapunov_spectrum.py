@@ -34,6 +34,7 @@ from nonsmooth.system.system import System
 
 __all__ = ["lyapunov_spectrum"]
 
+_MOST_INTERVALS = 1e7  # of transient and record
 _PARTS = 256  # intervals of a record without a period, at least
 
 
@@ -279,5 +280,13 @@ def _protocol(
         wanted = finite_number("interval", interval) / unit
         if not wanted > 0.0:
             raise OptionError(f"interval = {interval} must be positive")
+    first = float(transient) / unit
+    if first + whole_record > _MOST_INTERVALS * min(wanted, whole_record):
+        name, value = ("record", record) if interval is None else ("interval", interval)
+        raise OptionError(
+            f"{name} = {value} is too short beside transient = {transient} and record = {record}:"
+            f" they would make more than {_MOST_INTERVALS:g} intervals; give a longer interval="
+            " and record="
+        )
     parts = max(1, round(whole_record / wanted))
-    return ExponentProtocol(float(transient) / unit, whole_record, whole_record / parts, parts)
+    return ExponentProtocol(first, whole_record, whole_record / parts, parts)

@@ -102,7 +102,8 @@ def orbits(
         differ in length: legs behind the last one are nan, mode -1. ``orbits.isel(orbit=0)`` is an
         orbit for `simulate`, `find_orbit` and `continue_orbit`. The message tells how many guesses
         led to orbits, to solutions that are no motion and to nothing, and how many orbits were
-        found once: where there are such, more guesses find more.
+        found once: where there are such, more guesses find more. Without ``region`` it tells from
+        which ranges starts were drawn; orbits beyond them are missed.
 
     Raises
     ------
@@ -241,6 +242,14 @@ def _message(found: Collected) -> str:
         said.append(f"{once} of them were found once, so there may be more: raise guesses=")
     if found.inadmissible_starts:
         said.append(f"no mode admits {found.inadmissible_starts} starts")
+    if found.ranges:
+        told = ", ".join(
+            f"{name} {low:.3g} to {high:.3g}" for name, (low, high) in found.ranges.items()
+        )
+        said.append(
+            f"starts were drawn around the motion from initial= ({told}): a wider region= may hold"
+            " more orbits"
+        )
     if not members and not found.interrupted:
         said.append(
             "give region= where motions come near orbits, more samples=, or a word to find_orbit"

@@ -128,10 +128,18 @@ def regime(
         says so.
     ``locked``
         So they do, and every perturbation is lost within one period, by rank, as where a mass
-        rests for a while. The exponent is minus infinity.
+        rests for a while. The exponent is minus infinity. Where two windows of ``evidence`` lose
+        every perturbation and strobes do not repeat, the period is longer than half of ``record``.
     ``equilibrium``
-        So they do, and between strobes nothing changes either. Drifts are at rest too: a strobe
-        interval adds no more than ``match`` of their way since the start.
+        Nothing changes, between strobes either, and all multipliers lie inside the unit circle.
+        Where nothing drives the system, this is told of the last of a decay, too: all states, at
+        strobes, between them and at events, keep within ``match`` of their sizes; by the
+        derivatives over an interval no more than that is left of the way; and strobes come nearer
+        as neighbours do. The size of a state is the largest since the start, or the change that a
+        part of an interval makes of the sizes of all states. On a surface, where states pass from
+        mode to mode for ever, their spread must halve from window to window instead. A motion that
+        has died away to ``match`` times ``match`` of its sizes is at rest in any system. Drifts
+        are at rest too: a strobe interval adds no more than ``match`` of their way since the start.
     ``chaotic``
         Strobes do not repeat, the largest exponent is more than three standard errors above zero,
         and K of the 0-1 test is not below 0.2. The spread of no state grows tenfold from window
@@ -145,7 +153,8 @@ def regime(
         repeat, as those of motions that settle slowly do. Where neighbours part linearly, the
         exponent may fall by a quarter from window to window instead. Where strobes see the forcing
         at different phases, as with two frequencies, it may also be below zero.
-        Where nothing drives the system, no state leaves the range of the window before.
+        Where nothing drives the system, no state leaves the range of the window before, and the
+        states do not all shrink as below. The message tells the exponents of both windows.
     ``limit-cycle``
         Nothing drives the system, strobes do not repeat as the motion has a period of its own, and
         neighbours approach it: the exponent across it is below zero, or no perturbation across it
@@ -153,7 +162,8 @@ def regime(
         back. And the motion comes back to where it was, looked at once more within each strobe
         interval, over two windows of ``evidence`` intervals: the values of each state, sorted,
         differ in the mean by no more than 5 % of its spread, and nine in ten of the later states
-        lie within 5 % of an earlier one. So motions that come to rest slowly, grow or travel are
+        lie within 5 % of an earlier one. Nor do the spreads of all states halve, or fall while
+        the values differ by more. So motions that come to rest slowly, grow or travel are
         ``unsettled``, and so are cycles that are long beside a window; a longer ``period`` helps.
     ``absorbed``
         Impacts accumulate and no exit sticks, or an exit to 'stop' ends the run. However chaotic

@@ -16,6 +16,7 @@ __all__ = ["dimensionless"]
 
 _RATES = ("bandwidth", "highest", "lowest", "low_pass")  # attributes that are frequencies
 _TIMES = ("edge", "period")
+_SMALLEST = 1e-75  # unit, whose powers up to the third are numbers
 
 
 def dimensionless(
@@ -117,8 +118,8 @@ def _is_integrated(record: xr.Dataset, name: str) -> bool:
 
 def _positive(name: str, value: Any) -> float:
     number = finite_number(name, value)
-    if number <= 0.0:
-        raise OptionError(f"{name} = {number:g} must be positive")
+    if number < _SMALLEST:
+        raise OptionError(f"{name} = {number:g} must be positive, {_SMALLEST:g} at least")
     return number
 
 

@@ -36,6 +36,9 @@ class Turn:
         return np.diff(self.instants)
 
 
+_STEADY = 1e-9  # derivative of the change over a turn, and change beside the state, that are none
+
+
 class OrbitEquations:
     """Residual and Jacobian of the orbits of one word.
 
@@ -132,6 +135,21 @@ class OrbitEquations:
         if self.is_smooth_cycle:
             self._close_across_flow(turn, residual, jacobian, moved)
         return residual, jacobian, moved
+
+    def steady_growth(self, unknowns: Floats) -> dict[str, float]:
+        """States that change over a turn by the same amount wherever it begins, and by how much.
+
+        No choice of unknowns closes such a turn. Gaps of the legs add up to the change, and their
+        derivatives to nothing. Drifts are none of these.
+        """
+        residual, jacobian, _ = self.evaluate(unknowns)
+        rows, n = self._count * self.legs.n, self.legs.n
+        change = residual[:rows].reshape(self._count, n).sum(axis=0)
+        slopes = np.abs(jacobian[:rows].reshape(self._count, n, -1).sum(axis=0)).max(axis=1)
+        size = np.abs(self.unpack(unknowns).states).max(axis=0) + np.abs(change)
+        grows = (slopes <= _STEADY) & (np.abs(change) > _STEADY * size) & ~self.drifting
+        names = self.legs.system.states
+        return {names[i]: float(change[i]) for i in np.flatnonzero(grows).tolist()}
 
     def forwards(self, found: LegResults) -> float:
         """How fast a smooth cycle passes its plane, beside how fast it did at first."""

@@ -369,6 +369,9 @@ def _better(best: OrbitResult | None, found: OrbitResult) -> OrbitResult | None:
 def _failure(wanted: OrbitRequest, equations: OrbitEquations, solution: Solution) -> str:
     word = equations.word.text(wanted.system)
     if solution.status == "singular":
+        growing = _grows(equations, solution)
+        if growing:
+            return growing
         return (
             f"the equations of the word '{word}' are singular near the guess: the orbit grazes, a"
             " branch folds there, or nothing fixes its amplitude; change a parameter a little, or"
@@ -379,4 +382,21 @@ def _failure(wanted: OrbitRequest, equations: OrbitEquations, solution: Solution
         f" guess (residual {solution.residual:.2g} after {solution.iterations} steps); give"
         " initial= nearer to it, transient= for a motion that has settled, another period=, or"
         " word= for the modes that it visits"
+    )
+
+
+def _grows(equations: OrbitEquations, solution: Solution) -> str:
+    """Which states grow by a constant over each turn of a word, "" where none does."""
+    try:
+        grows = equations.steady_growth(solution.unknowns)
+    except LegError:
+        return ""
+    if not grows:
+        return ""
+    told = " and ".join(f"{name} changes by {by:.6g}" for name, by in grows.items())
+    names = ", ".join(f'"{name}"' for name in grows)
+    return (
+        f"{told} in each turn of the word '{equations.word.text(equations.legs.system)}', wherever"
+        " it begins, so no such turn closes; where such a state comes back after more turns, give"
+        f" their number as period=; where it counts on for ever, declare it: drift=[{names}]"
     )

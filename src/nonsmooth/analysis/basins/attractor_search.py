@@ -29,6 +29,7 @@ from nonsmooth.analysis.statistics.periodicity import primitive_period
 from nonsmooth.engine.attractors import visit
 from nonsmooth.engine.lanes import ANY, SAME
 from nonsmooth.engine.status import Status
+from nonsmooth.errors import OptionError
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.progress import Progress
 from nonsmooth.system.system import System
@@ -72,6 +73,7 @@ _LOOK = 2048  # images among which a period is looked for
 _SAME_SET = 0.5  # part of the points of a set in the cells of another: sets that differ have none
 _INNER, _STILL = 5.0, 0.99  # percentile; spread of points that stay, beside that before
 _LONGER, _RUN_ON = 4, 16  # times the record, for a motion that may be on its way to a cycle
+_LEAST_RECORD = 8  # iterates, so that a quarter of them has a spread
 _SAME_CYCLE = 1e-5  # beside the scale
 _LOW, _HIGH = 1.0, 99.0  # percentiles between which states spread; single lanes may be far off
 _GROWS = 2.0  # factor by which lanes on their way to infinity grow at least
@@ -105,10 +107,15 @@ def read_search(
     samples: Any, cells: Any, longest: Any, record: Any, match: Any, shared: SharedOptions
 ) -> SearchOptions:
     """Options of a search, checked."""
-    close = check_match(match)
+    close, kept = check_match(match), whole_number("record", record)
+    if kept < _LEAST_RECORD:
+        raise OptionError(
+            f"record = {kept}: an attractor is told by quarters of the record; give"
+            f" {_LEAST_RECORD} iterates at least, better thousands"
+        )
     return SearchOptions(
         whole_number("samples", samples), check_seed(shared.seed), whole_number("cells", cells),
-        whole_number("longest", longest), whole_number("record", record), close,
+        whole_number("longest", longest), kept, close,
         float(shared.tolerance),
     )  # fmt: skip
 

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look, nothing
+from nonsmooth.analysis.exponents.interval_tangents import IntervalTangents, Strobe
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.periodicity import settled_periods, whole_periods
+from nonsmooth.analysis.statistics.rest import comes_to_rest, natural_sizes
 from nonsmooth.engine.status import Status
+from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.outputs import SweptClock, output_values
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.sweep_runner import Recorded
 
 __all__ = ["strobe_looks"]
@@ -38,6 +43,28 @@ class _Judged:
         self._period[self._done] = settled_periods(
             recorded.states[self._done], protocol.drifting, protocol.match
         )
+        self._period[self._resting()] = 1
+
+    def _resting(self) -> Bools:
+        """Which motions that nothing drives have come to rest, (K,): rounding has other periods."""
+        recorded, group, match = self._recorded, self._group, self._protocol.match
+        still, found = ~self._protocol.drifting, np.zeros(self._period.size, bool)
+        open_yet = self._done & (self._period != 1)
+        if not np.any(open_yet) or not np.any(still) or is_driven(group.runner.tables(0)):
+            return found
+        states, tangents = recorded.states[..., still], IntervalTangents(group)
+        ranges, sizes = np.ptp(states, axis=1), np.abs(states).max(axis=1)
+        first = np.full(open_yet.size, -recorded.states.shape[1])
+        events, _ = self._passed.counts(self._passed.between(first))
+        for i in np.flatnonzero(open_yet & np.any(ranges <= match * sizes, axis=1)).tolist():
+            instant = Instant(int(recorded.numbers[i, -1]), float(recorded.phases[i, -1]))
+            strobe = Strobe(recorded.states[i, -1], int(recorded.modes[i, -1]), instant)
+            block_over = partial(tangents.over_part, i, strobe)
+            natural = natural_sizes(sizes[i], block_over)
+            found[i] = comes_to_rest(
+                states[i], ranges[i], natural, block_over(1.0), match, passes=events[i] > 0
+            )
+        return found
 
     def looks(self) -> list[Look]:
         """A look for each motion."""

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, is_known, unknown_choice, unknown_name
+from nonsmooth.runs.memory import free_memory, size_text
 from nonsmooth.runs.start import check_carried
 from nonsmooth.system.system import System
 
@@ -68,6 +69,7 @@ def members_of(system: System, initial: Any, arrays: Mapping[str, Floats], combi
         raise OptionError(unknown_choice("combine", combine, _WAYS))
     starts, n_starts = _starts(system, initial)
     if combine == "grid":
+        _check_room(arrays)
         grids = np.meshgrid(*arrays.values(), indexing="ij") if arrays else []
         sets = {name: grid.ravel() for name, grid in zip(arrays, grids, strict=True)}
         n_sets = math.prod(values.size for values in arrays.values())
@@ -84,6 +86,18 @@ def members_of(system: System, initial: Any, arrays: Mapping[str, Floats], combi
     count = max(lengths.values(), default=1)
     starts = {name: np.broadcast_to(values, count) for name, values in starts.items()}
     return Members(starts, dict(arrays), count, count, paired=True)
+
+
+def _check_room(arrays: Mapping[str, Floats]) -> None:
+    """Refuse a grid whose values alone fill the memory."""
+    count = math.prod(values.size for values in arrays.values())
+    need, free = 2 * 8 * len(arrays) * count, free_memory()  # the grids, and their copies in a row
+    if need > free:
+        told = " and ".join(f"{name} has {values.size} values" for name, values in arrays.items())
+        raise OptionError(
+            f"{told}: a grid of {count:.3g} sets takes {size_text(need)}, and {size_text(free)} of"
+            " memory are free; give fewer values, or combine='pairs' for one set of each"
+        )
 
 
 def mappings_of(

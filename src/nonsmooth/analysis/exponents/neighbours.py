@@ -21,7 +21,8 @@ __all__ = [
     "Neighbours",
     "OrbitTangent",
     "is_forgetful",
-    "orbit_multipliers",
+    "multipliers_of",
+    "orbit_map",
     "strobe_growth",
 ]
 
@@ -63,14 +64,11 @@ class OrbitTangent:
         return flow if status == Status.COMPLETED else None
 
 
-def orbit_multipliers(
-    orbit: OrbitTangent, drifting: npt.NDArray[np.bool_], autonomous: bool
-) -> npt.NDArray[np.complex128] | None:
-    """Multipliers, the largest first, but for those of drifts, which are one.
+def orbit_map(orbit: OrbitTangent, drifting: npt.NDArray[np.bool_]) -> Floats | None:
+    """Derivatives of the states at the end of a period by those at its begin, but for drifts.
 
-    Nothing depends on a drifting state, so the others stand in the block without it. A motion
-    without forcing has one along itself, which is one and is left out too; no motion has it where
-    it does not move. None where they are not known: a graze, a point that no mode takes.
+    Nothing depends on a drifting state, so the others stand in the block without it. None where
+    they are not known: a graze, a point that no mode takes.
     """
     flow = orbit.flow()
     if flow is None:
@@ -79,8 +77,15 @@ def orbit_multipliers(
     if flow.run_to(orbit.end) != Status.COMPLETED:
         return None
     map_of_columns = flow.columns_at_end[~drifting][:, ~drifting]
-    if not np.all(np.isfinite(map_of_columns)):
-        return None
+    return map_of_columns if np.all(np.isfinite(map_of_columns)) else None
+
+
+def multipliers_of(map_of_columns: Floats, autonomous: bool) -> npt.NDArray[np.complex128]:
+    """Multipliers of a period, the largest first.
+
+    A motion without forcing has one along itself, which is one and is left out; no motion has it
+    where it does not move.
+    """
     values = np.asarray(np.linalg.eigvals(map_of_columns), complex)
     if autonomous and values.size:
         values = np.delete(values, np.argmin(np.abs(values - 1.0)))

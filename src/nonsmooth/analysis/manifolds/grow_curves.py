@@ -20,6 +20,7 @@ __all__ = ["SIDES", "check_choice", "grow_curves", "read_spacing"]
 SIDES = {"both": (1.0, -1.0), "+": (1.0,), "-": (-1.0,)}
 _STEPS = 200  # of the length, where nothing is said
 _FINEST = 1e-3  # of the largest step
+_LEAST_STEP = 1e-14  # of the length: between points that double precision still tells apart
 _FIRST = 0.1  # of the length: the longest first piece
 _SHARPEST = 3.0
 
@@ -65,6 +66,12 @@ def read_spacing(
         raise OptionError(
             f"smallest_step = {small:g}, largest_step = {large:g} and length = {whole:g} must grow"
             " in this order"
+        )
+    if small < _LEAST_STEP * whole:
+        name, value = ("largest_step", large) if smallest is None else ("smallest_step", small)
+        raise OptionError(
+            f"{name} = {value:g} asks for points that rounding moves, with length = {whole:g}; the"
+            f" smallest step, {small:g} here, must be {_LEAST_STEP:g} of the length at least"
         )
     turn = positive("angle", angle)
     if turn > _SHARPEST:

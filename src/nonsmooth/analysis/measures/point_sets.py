@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -114,7 +114,12 @@ def _without_drift(data: xr.Dataset, names: list[str]) -> list[str]:
 
 
 def _check_names(states: Any, known: list[str]) -> list[str]:
-    names = [states] if isinstance(states, str) else list(states)
+    names = [states] if isinstance(states, str) else states
+    if not isinstance(names, Iterable):
+        raise OptionError(
+            f"states = {states!r:.60}: give a name or a list of names out of {', '.join(known)}"
+        )
+    names = list(names)
     for name in names:
         if name not in known:
             raise OptionError(f"states: {unknown_name('state', str(name), known)}")

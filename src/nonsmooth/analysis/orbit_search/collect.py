@@ -73,6 +73,7 @@ class Collected:
     longer: int = 0  # orbits of more turns than are asked for
     failed: int = 0
     interrupted: bool = False
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)  # of starts without region
 
 
 def collect_orbits(wanted: OrbitRequest, how: HowToCollect, legs: Legs) -> Collected:
@@ -156,7 +157,9 @@ class _Collection:
         if how.box is not None:
             states = drawn_states(how.box, how.samples, how.seed)
         else:
-            states = states_around(system, first, self.drifting, how.samples, how.seed)
+            states, self.found.ranges = states_around(
+                system, first, self.drifting, how.samples, how.seed
+            )
         self.starts = states
         periods = max(_SHORTEST[self.driven], _PER_PERIOD[self.driven] * how.longest)
         drawn = sampled_motions(self.wanted, tables, states, periods, self.driven)

@@ -236,8 +236,8 @@ def drawn_states(box: Box, count: int, seed: int) -> Floats:
 
 def states_around(
     system: System, motion: PointsOfMotion, drifting: npt.NDArray[np.bool_], count: int, seed: int
-) -> Floats:
-    """States drawn around a motion.
+) -> tuple[Floats, dict[str, tuple[float, float]]]:
+    """States drawn around a motion, and the ranges from which they are drawn.
 
     In every other one, states that some mode slaves are nan: left to the equations of a mode.
     """
@@ -254,7 +254,8 @@ def states_around(
     states[:, moves] = (low + unit[:, np.cumsum(moves) - 1] * (high - low))[:, moves]
     slaved = {name for mode in system.modes.values() for name in mode.slaved}
     states[1::2, [name in slaved for name in system.states]] = np.nan
-    return states
+    ranges = zip(system.states, moves, low.tolist(), high.tolist(), strict=True)
+    return states, {name: (least, most) for name, moving, least, most in ranges if moving}
 
 
 def _sobol(dimensions: int, count: int, seed: int) -> Floats:

@@ -24,6 +24,7 @@ __all__ = [
     "UNSETTLED",
     "Verdict",
     "contradiction",
+    "is_near_zero",
     "label_of_end",
     "label_of_growth",
 ]
@@ -82,9 +83,13 @@ class Verdict:
         """Whether the label is final."""
         return self.label != UNSETTLED
 
+    def named(self, label: str, reason: str) -> Verdict:
+        """The same evidence with a label."""
+        return replace(self, label=label, reason=reason)
+
     def unsettled(self, reason: str) -> Verdict:
         """The same evidence without a label."""
-        return replace(self, label=UNSETTLED, reason=reason)
+        return self.named(UNSETTLED, reason)
 
     @property
     def modulus(self) -> float:
@@ -130,11 +135,16 @@ def label_of_growth(
         return attracting
     if max(map(abs, rates)) > least or max(errors) > UNSURE * least:
         return ""
+    falls = abs(rates[1]) < FALLING * abs(rates[0])
+    return QUASI_PERIODIC if falls or is_near_zero(rates, errors, duration) else ""
+
+
+def is_near_zero(rates: tuple[float, float], errors: tuple[float, float], duration: float) -> bool:
+    """Whether the exponent of each window is within three standard errors of zero."""
     rounding = ROUNDING / duration
-    zero = all(
+    return all(
         abs(rate) <= ERRORS * error + rounding for rate, error in zip(rates, errors, strict=True)
     )
-    return QUASI_PERIODIC if zero or abs(rates[1]) < FALLING * abs(rates[0]) else ""
 
 
 def contradiction(label: str, k: float, nearest: float) -> str:

@@ -3,50 +3,38 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import End
+from nonsmooth.analysis.exponents.interval_tangents import IntervalTangents
 from nonsmooth.analysis.exponents.neighbours import (
     Neighbours,
-    OrbitTangent,
     is_forgetful,
-    orbit_multipliers,
+    multipliers_of,
     strobe_growth,
 )
 from nonsmooth.analysis.regimes import labels
+from nonsmooth.analysis.regimes.by_growth import Evidence, by_growth
 from nonsmooth.analysis.regimes.labels import Verdict
 from nonsmooth.analysis.regimes.options import RegimeProtocol
-from nonsmooth.analysis.regimes.window import (
-    StrobeTest,
-    Windows,
-    cyclic_word,
-    no_closed_orbit,
-    runs_away,
-    strobe_test,
-    travels,
-    window_times,
-)
+from nonsmooth.analysis.regimes.window import Windows, cyclic_word, window_times
 from nonsmooth.analysis.settle import Group
-from nonsmooth.analysis.statistics.block_averages import block_averages
+from nonsmooth.analysis.statistics.rest import comes_to_rest, natural_sizes, way_left
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.tables import Tables
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.crew import Stopped
-from nonsmooth.runs.runner import Derivatives, build_derivatives
 from nonsmooth.runs.strobe_times import hides_phase, is_driven
 from nonsmooth.runs.sweep_runner import Recorded, Times
-from nonsmooth.runs.tangent_flow import TangentFlow
-from nonsmooth.system.columns import with_error
 
 __all__ = ["first_windows", "settled_regimes"]
 
 _CLOSING = 0.5  # of the residual of a window is left in the next one while a motion settles
 _ROUNDING = 1e-9  # of a multiplier
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # its multiples fall evenly into an interval, whatever the motion
-_ELSEWHERE = (0.0, 0.382, 0.764)  # parts of a period at which derivatives may begin
 
 Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
@@ -103,10 +91,10 @@ class _Motions:
             [nothing if start is None else start.state for start in group.starts]
         )
         self.sizes = np.abs(self.first_states)  # (M, n) of the states since the start
+        self.natural = self.sizes.copy()  # (M, n): see `natural_sizes`
         self.reached = np.zeros(group.count, np.int64)  # strobes passed
         self.verdicts = [Verdict(Status.REFUSED.word, "", 0, np.nan, nothing)] * group.count
-        self._known: dict[int, tuple[Tables, Derivatives]] = {}
-        self._flow: TangentFlow | None = None
+        self._tangents = IntervalTangents(group)
 
     def look(
         self, chosen: Bools, first: Integers, is_last: Bools, recorded: Recorded | None
@@ -115,7 +103,8 @@ class _Motions:
         windows, alive = self._windows(chosen, first, recorded)
         if windows is None:
             return
-        both = self._returns(windows, alive)
+        resting = self._resting(windows, alive)
+        both = self._returns(windows, alive, resting)
         seen = self._seen(windows, alive, first, both)
         (before, now), (rest_before, rest_now) = (each.T for each in both)
         same = alive & (before == now)
@@ -129,9 +118,13 @@ class _Motions:
                 f"strobes repeat with period {now[i]}, but are no farther apart than the way that"
                 " is left: the motion may settle to a shorter period"
             )
-        self._repeating(windows, seen, same & (now > 0) & ~on_the_way)
+        self._repeating(windows, seen, same & (now > 0) & ~on_the_way & ~resting)
+        for i in np.flatnonzero(resting).tolist():
+            self.verdicts[i] = self._at_rest(windows, i, seen[i])
+        closing = same & (now == 0) & ~is_last
         with np.errstate(invalid="ignore"):
-            closing = same & (now == 0) & ~is_last & (rest_now < _CLOSING * rest_before)
+            closer = rest_now < _CLOSING * rest_before
+        closing &= closer | (windows.shrink(self.drifting) & self.autonomous)
         for i in np.flatnonzero(closing).tolist():
             self.verdicts[i] = seen[i].unsettled(
                 "strobes come closer to each other from window to window"
@@ -144,7 +137,8 @@ class _Motions:
         windows, alive = self._windows(chosen, first, None)
         if windows is None:
             return
-        both = self._returns(windows, alive)
+        resting = self._resting(windows, alive)
+        both = self._returns(windows, alive, resting)
         periods = both[0]
         repeats = alive & (periods[:, 0] == periods[:, 1]) & (periods[:, 1] > 0)
         for i in np.flatnonzero(alive & ~repeats).tolist():
@@ -153,7 +147,10 @@ class _Motions:
                 chaotic,
                 reason=f"{chaotic.reason}; it has not settled within {self.reached[i]} periods",
             )
-        self._repeating(windows, self._seen(windows, alive, first, both), repeats)
+        seen = self._seen(windows, alive, first, both)
+        self._repeating(windows, seen, repeats & ~resting)
+        for i in np.flatnonzero(resting).tolist():
+            self.verdicts[i] = self._at_rest(windows, i, seen[i])
 
     def _windows(
         self, chosen: Bools, first: Integers, recorded: Recorded | None
@@ -171,6 +168,7 @@ class _Motions:
         self.reached[alive] = first[alive] + 2 * record
         largest = np.abs(recorded.states[alive]).max(axis=1)
         self.sizes[alive] = np.maximum(self.sizes[alive], largest)
+        self.natural[alive] = self.sizes[alive]
         return Windows.of(group, recorded), alive
 
     def _still_going(self, chosen: Bools, first: Integers) -> Bools:
@@ -180,13 +178,39 @@ class _Motions:
             self.verdicts[i] = self._ended(i, int(first[i]))
         return going
 
-    def _returns(self, windows: Windows, alive: Bools) -> tuple[Integers, Floats]:
-        """Period and residual of each window of the motions that are alive, (M, 2) each."""
+    def _resting(self, windows: Windows, alive: Bools) -> Bools:
+        """Which motions are at rest, or on the last of their way there, (M,).
+
+        Those that have died away altogether, whatever drives them; and without forcing those that
+        hardly move: as their neighbours do, or by half as much in each window while they pass from
+        mode to mode.
+        """
+        still, match = ~self.drifting, self.protocol.match
+        resting = alive & windows.sunk(self.drifting, self.sizes, match, driven=not self.autonomous)
+        resting &= self.autonomous or bool(np.all(still))  # a drift may be what is driven
+        if not self.autonomous or not np.any(still):
+            return resting
+        small = (windows.ranges <= match * self.sizes) & still
+        for i in np.flatnonzero(alive & ~resting & np.any(small, axis=1)).tolist():
+            block_over = partial(self._tangents.over_part, i, windows.last(i))
+            block, natural = block_over(1.0), natural_sizes(self.sizes[i, still], block_over)
+            self.natural[i, still] = natural
+            points, ranges = windows.points[i][:, still], windows.ranges[i, still]
+            passes = bool(windows.passes[i])
+            resting[i] = comes_to_rest(points, ranges, natural, block, match, passes=passes)
+        return resting
+
+    def _returns(self, windows: Windows, alive: Bools, resting: Bools) -> tuple[Integers, Floats]:
+        """Period and residual of each window of the motions that are alive, (M, 2) each.
+
+        What rests has the period one.
+        """
         periods, residuals = np.zeros((alive.size, 2), np.int64), np.full((alive.size, 2), np.nan)
         which = np.flatnonzero(alive)
         periods[which], residuals[which] = windows.returns(
             which, self.drifting, self.sizes[which], self.protocol.match
         )
+        periods[resting] = 1
         return periods, residuals
 
     def _on_the_way(self, windows: Windows, repeats: Bools) -> Bools:
@@ -253,97 +277,86 @@ class _Motions:
 
     def _by_multipliers(self, windows: Windows, i: int, seen: Verdict) -> Verdict:
         """Label of a motion that repeats, by its multipliers."""
-        p = seen.period
+        p, match = seen.period, self.protocol.match
+        steady = p == 1 and seen.events == 0
+        steady = steady and windows.rests(i, self.drifting, self.sizes[i], match)
         self.reached[i] += 2  # what follows looks into the next two intervals
-        steady = p == 1 and seen.events == 0 and self._rests(windows, i)
-        # along a motion in which drifts alone change no other direction is neutral
-        found = self._multipliers(windows, i, p, self.autonomous and not steady)
+        found = self._tangents.over_period(i, windows.last(i), p)
         if self._has_ended(i):
             return self._ended(i, int(self.reached[i]))
         if found is None:
             return seen.unsettled("the derivatives over a period are not known, as at a graze")
-        orbit, multipliers = found
-        duration = p * self.group.length(i)
-        modulus = float(np.abs(multipliers).max(initial=0.0))
-        with np.errstate(divide="ignore"):  # all multipliers are zero
-            exponent = float(np.log(modulus)) / duration if multipliers.size else np.nan
-        known: dict[str, Any] = {"multipliers": multipliers, "exponent": exponent}
-        seen = replace(seen, **known)
-        if modulus > 1.0 - _ROUNDING:
-            return seen.unsettled(
-                f"strobes repeat, but the largest multiplier has the modulus {modulus:.9g}, which"
-                " does not lie inside the unit circle"
-            )
-        told = f"strobes repeat to {seen.residual:.2g}" + (
-            f"; largest multiplier {modulus:.3g}" if multipliers.size else ""
-        )
-        if steady and self._drifts_rest(windows, i):
-            return _named(seen, labels.EQUILIBRIUM, f"nothing changes; {told}")
+        orbit, block = found
+        # along a motion in which drifts alone change no other direction is neutral
+        multipliers = multipliers_of(block, self.autonomous and not steady)
+        seen = self._with_multipliers(i, seen, multipliers)
+        if seen.multipliers.size and seen.modulus > 1.0 - _ROUNDING:
+            return seen.unsettled(f"strobes repeat, but {_neutral(seen.modulus)}")
         if steady:
-            which = ", ".join(self.system.drift_states)
-            return _named(seen, labels.PERIODIC, f"travels in {which}, and nothing else; {told}")
+            creeps = self._creeps(windows, i, block) if self.autonomous and block.size else ""
+            return seen.unsettled(creeps) if creeps else self._steady(windows, i, seen)
         if is_forgetful(orbit, multipliers, self.drifting):
             lost: dict[str, Any] = {"multipliers": np.zeros_like(multipliers), "exponent": -np.inf}
             seen = replace(seen, **lost)
-            return _named(seen, labels.LOCKED, "every perturbation is lost within a period")
-        return _named(seen, labels.PERIODIC, told)
+            return seen.named(labels.LOCKED, "every perturbation is lost within a period")
+        return seen.named(labels.PERIODIC, _repeats(seen))
 
-    def _rests(self, windows: Windows, i: int) -> bool:
-        """Whether the states between strobes are those at strobes, but for drifts."""
-        here, match = windows.points[i, -1], self.protocol.match
-        away = np.abs(windows.between[i] - here).max(axis=0)
-        close = away <= match * np.maximum(np.abs(here), match * self.sizes[i])
-        same_mode = np.all(windows.modes_between[i] == windows.modes[i, -1])
-        return bool(np.all(close | self.drifting) and same_mode)
+    def _at_rest(self, windows: Windows, i: int, seen: Verdict) -> Verdict:
+        """Label of a motion that rests, or is on the last of its way there.
 
-    def _drifts_rest(self, windows: Windows, i: int) -> bool:
-        """Whether drifts have come to rest: hardly a step is left of the way since the start."""
-        here, before = windows.points[i, -1], windows.points[i, -2]
-        way = np.abs(here - self.first_states[i]) * self.protocol.match
-        rounding = 16.0 * np.finfo(float).eps * np.abs(here)
-        step = np.maximum(np.abs(windows.between[i] - here).max(axis=0), np.abs(here - before))
-        return bool(np.all((step <= way + rounding)[self.drifting]))
-
-    def _multipliers(
-        self, windows: Windows, i: int, p: int, autonomous: bool
-    ) -> tuple[OrbitTangent, npt.NDArray[np.complex128]] | None:
-        """Multipliers and the point at which their period begins.
-
-        At a strobe, or elsewhere: a strobe may lie on a guard. The motion is carried on to there.
+        Derivatives over an interval say nothing of an equilibrium on a surface, where states pass
+        from mode to mode for ever; that they came there does.
         """
-        tolerance = self.group.runner.tolerance
-        if self._flow is None:
-            self._flow = TangentFlow(*self._tables_of(i), self.drifting.size, tolerance)
-        state, mode, end = windows.points[i, -1], int(windows.modes[i, -1]), windows.end(i)
-        for part in _ELSEWHERE:
-            begin = self._after(i, end, 1.0 + part) if part else end
-            if part:
-                state, mode = self._state_at(i, begin)
-                if self._has_ended(i):
-                    return None
-            orbit = OrbitTangent(
-                *self._tables_of(i), tolerance, state, mode, begin, self._after(i, begin, p),
-                self._flow,
-            )  # fmt: skip
-            found = orbit_multipliers(orbit, self.drifting, autonomous)
-            if found is not None:
-                return orbit, found
-        return None
+        step = np.abs(windows.points[i, -1] - windows.points[i, -2])[~self.drifting]
+        natural = self.natural[i, ~self.drifting]
+        unit = np.where(natural > 0.0, natural, 1.0)
+        seen = replace(seen, residual=float((step / unit).max()))
+        self.reached[i] += 2
+        found = self._tangents.over_period(i, windows.last(i), 1)
+        if self._has_ended(i):
+            return self._ended(i, int(self.reached[i]))
+        multipliers = None if found is None else multipliers_of(found[1], autonomous=False)
+        known = multipliers is not None and abs(multipliers[0]) <= 1.0 - _ROUNDING
+        if multipliers is not None and (known or not windows.passes[i]):
+            seen = self._with_multipliers(i, seen, multipliers)
+        if not (known or windows.passes[i]):
+            why = "the derivatives are not known" if found is None else _neutral(seen.modulus)
+            return seen.unsettled(f"nothing moves, but {why}")
+        return self._steady(windows, i, seen)
 
-    def _state_at(self, i: int, instant: Instant) -> tuple[Floats, int]:
-        """State and mode of a motion that runs on to an instant."""
-        count = self.group.count
-        times = Times(np.full((count, 1), instant.number), np.full((count, 1), instant.phase))
-        found = self.group.run(times, chosen=np.arange(count) == i, log=False)
-        return found.states[i, 0], int(found.modes[i, 0])
+    def _with_multipliers(
+        self, i: int, seen: Verdict, multipliers: npt.NDArray[np.complex128]
+    ) -> Verdict:
+        """What is seen of a motion, with multipliers over its period and their exponent."""
+        modulus, exponent = float(np.abs(multipliers).max(initial=0.0)), np.nan
+        if multipliers.size:
+            with np.errstate(divide="ignore"):  # all multipliers are zero
+                exponent = float(np.log(modulus)) / (seen.period * self.group.length(i))
+        return replace(seen, multipliers=multipliers, exponent=exponent)
 
-    def _tables_of(self, i: int) -> tuple[Tables, Derivatives]:
-        """Tables of a motion, and what derivatives by its initial state need."""
-        if i not in self._known:
-            values = dict(zip(self.system.parameters, self.group.values[i].tolist(), strict=True))
-            tables = self.group.runner.tables(i)
-            self._known[i] = tables, build_derivatives(self.system, tables, (), values)
-        return self._known[i]
+    def _steady(self, windows: Windows, i: int, seen: Verdict) -> Verdict:
+        """Label of a motion in which drifts alone may change."""
+        first, match = self.first_states[i], self.protocol.match
+        if windows.drifts_rest(i, self.drifting, first, match):
+            return seen.named(labels.EQUILIBRIUM, f"nothing changes; {_repeats(seen)}")
+        which = ", ".join(self.system.drift_states)
+        return seen.named(
+            labels.PERIODIC, f"travels in {which}, and nothing else; {_repeats(seen)}"
+        )
+
+    def _creeps(self, windows: Windows, i: int, block: Floats) -> str:
+        """Why a motion whose strobes hardly differ has a way to go, "" where it has none."""
+        still, match = ~self.drifting, self.protocol.match
+        away = way_left(windows.points[i, -2:][:, still], block)[0]
+        block_over = partial(self._tangents.over_part, i, windows.last(i))
+        far = away > match * natural_sizes(self.sizes[i, still], block_over)
+        if not np.any(far):
+            return ""
+        states = np.array(self.system.states)[still]
+        told = ", ".join(
+            f"{name} by {way:.2g}" for name, way in zip(states[far], away[far], strict=True)
+        )
+        return f"strobes hardly differ, but by their rates they have a way to go: {told}"
 
     def _not_repeating(self, windows: Windows, seen: dict[int, Verdict], chosen: Bools) -> None:
         """Exponent and 0-1 test of two windows decide on motions that do not repeat."""
@@ -357,7 +370,7 @@ class _Motions:
         self.reached[going] += turn + 2 * count
         for i in np.flatnonzero(going).tolist():
             neighbours = Neighbours(
-                *self._tables_of(i), group.runner.tolerance, windows.points[i, -1],
+                *self._tangents.tables_of(i), group.runner.tolerance, windows.points[i, -1],
                 int(windows.modes[i, -1]), times.numbers[i], times.phases[i], turn,
                 self.drifting, group.stop,
             )  # fmt: skip
@@ -369,13 +382,16 @@ class _Motions:
         """Label of a motion that does not repeat, from how its neighbours part from it."""
         status, growth = strobe_growth(neighbours)
         if status != Status.COMPLETED:
-            return _named(seen, labels.label_of_end(status), f"ended early: {status.word}")
+            return seen.named(labels.label_of_end(status), f"ended early: {status.word}")
         if growth.size == 0:
             return seen.unsettled("no mode takes the last strobe as a start of derivatives")
-        evidence = states[neighbours.turn - 1 :]
-        if not self.autonomous:
-            return self._by_growth(i, seen, growth, evidence, evidence[1:])
-        return self._by_growth(i, seen, growth, evidence[::2], evidence[1::2])
+        kept, length = states[neighbours.turn - 1 :], self.group.length(i)
+        strobes, looks = (kept[::2], kept[1::2]) if self.autonomous else (kept, kept[1:])
+        evidence = Evidence(
+            growth, strobes, looks, length, tuple(self.system.states), self.drifting, self.sizes[i],
+            self.autonomous, hides_phase(self.group.runner.tables(i), length),
+        )  # fmt: skip
+        return by_growth(seen, evidence, self.protocol)
 
     def _looks(self, times: Times, turn: int, chosen: Bools) -> Times:
         """Strobes, and behind the turn one more look within every interval, ever elsewhere in it.
@@ -393,81 +409,6 @@ class _Motions:
             np.insert(times.numbers, first + 1, times.numbers[:, first] + more, axis=1),
             np.insert(times.phases, first + 1, inside, axis=1),
         )
-
-    def _by_growth(
-        self, i: int, seen: Verdict, growth: Floats, states: Floats, looks: Floats
-    ) -> Verdict:
-        """Label by the growth in each interval, the states at the strobes, and one in each."""
-        count, length = self.protocol.evidence, self.group.length(i)
-        windows = [_mean_rate(part, length) for part in (growth[:count], growth[count:])]
-        (first, first_error), (second, second_error) = windows
-        label = labels.label_of_growth(
-            (first, second), (first_error, second_error), count * length, self._attracting(i)
-        )
-        exponent, error = _mean_rate(growth, length)
-        seen = replace(seen, exponent=exponent, error=error)
-        told = f"exponent {with_error(exponent, error, 3, 2)}"
-        if self.autonomous and np.count_nonzero(~self.drifting) < 2:
-            seen, told = replace(seen, exponent=np.nan), "one state, and no direction across it"
-        elif label == labels.LIMIT_CYCLE and not np.isfinite(error):
-            told = "no perturbation across the cycle outlives its events"
-        why = self._unbounded(i, label, seen, looks)
-        if why:
-            return seen.unsettled(f"strobes do not repeat, and {why}")
-        if not label:
-            return seen.unsettled(
-                f"strobes do not repeat, and exponents of two windows, {first:.3g} and"
-                f" {second:.3g}, decide nothing; their errors are {first_error:.2g} and"
-                f" {second_error:.2g}"
-            )
-        test, contradiction = _agreeing_test(label, self._series(states), self.protocol)
-        seen = replace(seen, k=test.k)
-        if contradiction:
-            return seen.unsettled(f"{told} is {label}, but {contradiction}")
-        tested = "without the 0-1 test" if self.protocol.is_survey else f"K = {test.k:.2f}"
-        return _named(seen, label, f"{told}, {tested}")
-
-    def _attracting(self, i: int) -> str:
-        """Label of a motion that others approach although its strobes do not repeat.
-
-        Such a motion has a direction without growth; "" where there is none.
-        """
-        if self.autonomous:
-            return labels.LIMIT_CYCLE
-        hidden = hides_phase(self.group.runner.tables(i), self.group.length(i))
-        return labels.QUASI_PERIODIC if hidden else ""
-
-    def _unbounded(self, i: int, label: str, seen: Verdict, looks: Floats) -> str:
-        """Why two windows of states contradict a label, "" where they do not."""
-        moving = looks[:, ~self.drifting]
-        if moving.shape[1] == 0:
-            return ""
-        earlier, later = np.array_split(moving, 2)
-        if label == labels.CHAOTIC:
-            return runs_away(earlier, later)
-        names = tuple(name for name in self.system.states if name not in self.system.drift_states)
-        if label == labels.QUASI_PERIODIC and self.autonomous:
-            return travels(earlier, later, names)
-        if label != labels.LIMIT_CYCLE:
-            return ""
-        return no_closed_orbit(
-            earlier, later, names, self.sizes[i, ~self.drifting], seen.events > 0,
-            self.protocol.match,
-        )  # fmt: skip
-
-    def _series(self, states: Floats) -> Floats:
-        """Numbers for the 0-1 test: the states without drift, or else the steps of drifts."""
-        moving = states[1:, ~self.drifting]
-        return moving if moving.shape[1] else np.diff(states, axis=0)
-
-    def _after(self, i: int, begin: Instant, intervals: float) -> Instant:
-        """Instant some strobe intervals later; of whole periods without rounding."""
-        group = self.group
-        if group.periods[i] is None and intervals == int(intervals):
-            return Instant(begin.number + int(intervals), begin.phase)
-        window = float(group.windows[i])
-        number, phase = instants([begin.phase + intervals * group.length(i)], window)
-        return Instant(begin.number + int(number[0]), float(phase[0]))
 
     def _has_ended(self, i: int) -> bool:
         return int(self.group.motions.statuses[i]) != Status.COMPLETED
@@ -492,30 +433,14 @@ class _Motions:
         )
 
 
-def _named(seen: Verdict, label: str, reason: str) -> Verdict:
-    return replace(seen, label=label, reason=reason)
+def _repeats(seen: Verdict) -> str:
+    """How nearly strobes repeat, and how others come to them."""
+    told = f"strobes repeat to {seen.residual:.2g}"
+    return f"{told}; largest multiplier {seen.modulus:.3g}" if seen.multipliers.size else told
 
 
-def _mean_rate(growth: Floats, length: float) -> tuple[float, float]:
-    """Mean growth per unit time with its standard error; nan for a column that is lost."""
-    if not np.all(np.isfinite(growth)):
-        return -np.inf, np.nan
-    error = float(block_averages(growth[:, None]).standard_error[0])
-    return float(growth.mean()) / length, error / length
-
-
-def _agreeing_test(label: str, series: Floats, protocol: RegimeProtocol) -> tuple[StrobeTest, str]:
-    """Test of the first state that does not contradict a label, or of the last one, and why.
-
-    Short series mislead where a state hardly moves, or jumps, and others do not. In a survey K is
-    not known.
-    """
-    test, contradiction = StrobeTest(np.nan, np.nan), ""
-    for values in series.T:
-        test = strobe_test(values)
-        if protocol.is_survey:
-            test = test._replace(k=np.nan)
-        contradiction = labels.contradiction(label, test.k, test.nearest)
-        if not contradiction:
-            break
-    return test, contradiction
+def _neutral(modulus: float) -> str:
+    return (
+        f"the largest multiplier has the modulus {modulus:.9g}, which does not lie inside the unit"
+        " circle"
+    )

@@ -13,15 +13,18 @@ chaotic or not as before.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
+from nonsmooth.analysis.exponents.interval_tangents import Strobe
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.periodicity import nearest_returns, scales, settled_periods
+from nonsmooth.analysis.statistics.rest import halves
 from nonsmooth.analysis.zero_one_test import correlations_of
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.sweep_runner import Recorded, Times
@@ -33,7 +36,9 @@ __all__ = [
     "cyclic_word",
     "elsewhere",
     "no_closed_orbit",
+    "rest_floor",
     "runs_away",
+    "shrinks",
     "strobe_test",
     "travels",
     "window_times",
@@ -50,6 +55,7 @@ _BETWEEN = np.array([0.25, 0.5, 0.75])
 _OTHERS = np.arange(-1 - _BETWEEN.size, -1)  # places of those looks
 APART = 0.05  # of its spread by which a state may differ between two windows of one closed curve
 _MOST = 0.9  # of the later states lie that close to earlier ones; a cycle has fast parts too
+_HALF = 0.5  # of the spread of every state at most is left in the next window of a decay
 _RUNAWAY = 10.0  # times the spread of the window before is no bounded motion
 _FREQUENCIES = 25  # of the 0-1 test
 _LONGEST = 50  # period that the 0-1 test takes off
@@ -82,6 +88,8 @@ class Windows:
     phases: Floats  # (M, K)
     between: Floats  # (M, 3, n): states between the last two strobes
     modes_between: Integers  # (M, 3)
+    low: Floats  # (M, n): least value of each state at strobes, at looks between and at events
+    high: Floats  # (M, n): largest one
     events: PassedEvents
 
     @staticmethod
@@ -93,7 +101,7 @@ class Windows:
         }
         return Windows(
             kept["states"], kept["modes"], kept["numbers"], kept["phases"],
-            recorded.states[:, _OTHERS], recorded.modes[:, _OTHERS],
+            recorded.states[:, _OTHERS], recorded.modes[:, _OTHERS], *_extremes(recorded),
             PassedEvents(group.system, recorded._replace(**kept)),
         )  # fmt: skip
 
@@ -102,9 +110,52 @@ class Windows:
         """Strobe intervals of each window."""
         return (self.points.shape[1] - 1) // 2
 
-    def end(self, i: int) -> Instant:
-        """Instant of the last strobe of motion i."""
-        return Instant(int(self.numbers[i, -1]), float(self.phases[i, -1]))
+    def last(self, i: int) -> Strobe:
+        """The last strobe of motion i."""
+        instant = Instant(int(self.numbers[i, -1]), float(self.phases[i, -1]))
+        return Strobe(self.points[i, -1], int(self.modes[i, -1]), instant)
+
+    @cached_property
+    def passes(self) -> Bools:
+        """Whether events happen within the windows, (M,)."""
+        first = np.zeros(len(self.points), np.int64)
+        return self.events.counts(self.events.between(first, first + 2 * self.record))[0] > 0
+
+    @property
+    def ranges(self) -> Floats:
+        """Range of each state over both windows, (M, n)."""
+        return self.high - self.low
+
+    def rests(self, i: int, drifting: Bools, sizes: Floats, match: float) -> bool:
+        """Whether the states of motion i between strobes are those at strobes, but for drifts."""
+        here = self.points[i, -1]
+        away = np.abs(self.between[i] - here).max(axis=0)
+        close = away <= match * np.maximum(np.abs(here), match * sizes)
+        same_mode = np.all(self.modes_between[i] == self.modes[i, -1])
+        return bool(np.all(close | drifting) and same_mode)
+
+    def drifts_rest(self, i: int, drifting: Bools, first: Floats, match: float) -> bool:
+        """Whether drifts have come to rest: hardly a step is left of the way since the start."""
+        here, before = self.points[i, -1], self.points[i, -2]
+        way = np.abs(here - first) * match
+        step = np.maximum(np.abs(self.between[i] - here).max(axis=0), np.abs(here - before))
+        return bool(np.all((step <= way + 16.0 * _EPSILON * np.abs(here))[drifting]))
+
+    def sunk(self, drifting: Bools, sizes: Floats, match: float, *, driven: bool) -> Bools:
+        """Which motions have died away, events included: to ``match`` squared of their sizes.
+
+        Events go on for ever where a motion comes to rest on a surface. A force may switch modes
+        although no state moves, so all states of a driven motion must have died away to zero.
+
+        sizes: (M, n) since the start
+        """
+        left = np.maximum(np.abs(self.low), np.abs(self.high)) if driven else self.ranges
+        away = np.all((left <= match * match * sizes) | drifting, axis=1)
+        return np.asarray(away & np.any((sizes > 0.0) & ~drifting, axis=1))
+
+    def shrink(self, drifting: Bools) -> Bools:
+        """Which motions have lost half of the spread of every state in a window, or more, (M,)."""
+        return np.asarray(np.all(halves(self.points) | drifting, axis=1))
 
     def returns(
         self, motions: Integers, drifting: Bools, sizes: Floats, match: float
@@ -137,6 +188,15 @@ class Windows:
         return np.where(drifting, rounding, match * sizes)
 
 
+def _extremes(recorded: Recorded) -> tuple[Floats, Floats]:
+    """Least and largest value of each state of each motion over all that was recorded, (M, n)."""
+    low, high = recorded.states.min(axis=1), recorded.states.max(axis=1)
+    motion = np.repeat(np.arange(len(low)), np.diff(recorded.logs))
+    np.minimum.at(low, motion, recorded.event_states.min(axis=1))
+    np.maximum.at(high, motion, recorded.event_states.max(axis=1))
+    return low, high
+
+
 def cyclic_word(word: str) -> tuple[str, ...]:
     """Modes of a period that begins anywhere: the first of its rotations in alphabetical order.
 
@@ -162,6 +222,12 @@ def elsewhere(earlier: Floats, later: Floats, floor: Floats) -> npt.NDArray[np.b
     return np.asarray(away > APART * np.maximum(spread, floor))
 
 
+def rest_floor(states: Floats, sizes: Floats, match: float) -> Floats:
+    """Spread of each state below which it rests, or is rounding, (n,)."""
+    rounding = 4.0 * _EPSILON / match * np.abs(states).max(axis=0)
+    return np.maximum(match * match * sizes, rounding)
+
+
 def no_closed_orbit(
     earlier: Floats, later: Floats, names: tuple[str, ...], sizes: Floats, turns: bool, match: float
 ) -> str:
@@ -178,7 +244,10 @@ def no_closed_orbit(
             " travels"
         )
     both = np.concatenate([earlier, later])
-    floor = np.maximum(match * match * sizes, 4.0 * _EPSILON / match * np.abs(both).max(axis=0))
+    floor = rest_floor(both, sizes, match)
+    shrinking = shrinks(earlier, later, floor)
+    if shrinking:
+        return shrinking
     changed = elsewhere(earlier, later, floor)
     if np.any(changed):
         which = ", ".join(name for name, is_one in zip(names, changed, strict=True) if is_one)
@@ -193,6 +262,24 @@ def no_closed_orbit(
     distances, _ = KDTree(earlier / scale).query(later / scale, p=np.inf)
     if np.quantile(distances, _MOST) > APART:
         return "the later states do not lie on the curve of the earlier ones"
+    return ""
+
+
+def shrinks(earlier: Floats, later: Floats, floor: Floats) -> str:
+    """Why two windows show a motion that dies away, "" where they do not.
+
+    All states spread less: by half or more, however short the decay was beside the window, or by
+    as much as tells one set of values from another. A torus or a cycle of which a window shows a
+    part has some states that spread more. floor (n,): a spread below it is none
+    """
+    before, now = np.ptp(earlier, axis=0), np.ptp(later, axis=0)
+    moves = before > floor
+    less = (now <= _HALF * before) | (elsewhere(earlier, later, floor) & (now < before))
+    if np.any(moves) and np.all(less[moves]) and np.all(now[~moves] <= floor[~moves]):
+        return (
+            "the motion of every state shrinks from window to window: it comes to rest slowly, and"
+            " a larger longest= follows it further"
+        )
     return ""
 
 

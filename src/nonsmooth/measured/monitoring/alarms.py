@@ -159,7 +159,7 @@ def alarm(
         raise OptionError(
             f"healthy: {scores.size} windows for the threshold support no rate below"
             f" {1 / (scores.size + 1):.3g}, and rate = {wanted:g}; give at least"
-            f" {math.ceil(1 / wanted - 1e-9) - 1} of them, or a larger rate"
+            f" {np.ceil(1.0 / wanted - 1e-9) - 1.0:.15g} of them, or a larger rate"
         )
     worth = Worth(scores.size, tail_effect(known.runs), len(known.runs))
     threshold, expected = _threshold(scores, wanted, worth.effect)
