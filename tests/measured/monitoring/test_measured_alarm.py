@@ -189,6 +189,9 @@ def test_the_indicator_that_left_is_named():
         ({"healthy": []}, "healthy: give a dataset over window"),
         ({"healthy": [healthy(), healthy()], "training": 0.4}, "training= is for one healthy"),
         ({"watched": []}, "watched: give a dataset over window"),
+        ({"watched": healthy().isel(window=slice(0, 0))}, "watched: a dataset has no windows"),
+        ({"watched": [healthy(), healthy(0)]}, "watched: a dataset has no windows"),
+        ({"healthy": [healthy(), healthy(0)]}, "healthy: a dataset has no windows"),
         ({"healthy": windows(a=np.ones(400))}, "the indicator a does not vary"),
     ],
 )

@@ -70,3 +70,5 @@ def test_records_that_differ_widen_the_interval():
 def test_what_is_refused():
     with pytest.raises(ns.OptionError, match="faulty: the indicator x is missing"):
         ns.measured.roc(windows(np.arange(50.0)), xr.Dataset({"y": ("window", [1.0])}))
+    with pytest.raises(ns.OptionError, match="faulty: a dataset has no windows"):
+        ns.measured.roc(windows(np.arange(50.0)), windows(np.arange(0.0)))

@@ -132,6 +132,11 @@ def _indicators(data: Any, option: str) -> list[str]:
     """Variables over ``window``."""
     if not isinstance(data, xr.Dataset) or "window" not in data.dims:
         raise OptionError(f"{option}: give a dataset with indicators over window")
+    if not data.sizes["window"]:
+        raise OptionError(
+            f"{option}: a dataset has no windows; give records that are longer than a window, or"
+            " leave it out"
+        )
     names = [str(name) for name, one in data.data_vars.items() if one.dims == ("window",)]
     if not names:
         raise OptionError(f"{option}: no variable of the dataset lies over window alone")
