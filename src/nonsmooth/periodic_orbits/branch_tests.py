@@ -46,6 +46,7 @@ __all__ = [
     "broken_tests",
     "is_of_word",
     "largest_along",
+    "states_along",
     "tests_of_multipliers",
     "what_of",
 ]
@@ -114,8 +115,8 @@ def _guard_sizes(
     return _GuardSizes(sizes, rounding)
 
 
-def largest_along(equations: OrbitEquations, turn: Turn) -> Floats:
-    """Largest size of each state along an orbit, within the legs too, drifts left out."""
+def states_along(equations: OrbitEquations, turn: Turn) -> Floats:
+    """States along an orbit, within the legs too, without how far the drifts have come."""
     legs, count = equations.legs, len(equations.word)
     leg = np.repeat(np.arange(count), _WITHIN)
     begins = turn.instants[leg]
@@ -127,8 +128,12 @@ def largest_along(equations: OrbitEquations, turn: Turn) -> Floats:
         states = np.concatenate([states, within])
     except LegError:  # those at the events have to do
         pass
-    apart: Floats = np.abs(states - np.where(equations.drifting, turn.states[0], 0.0))
-    return apart.max(axis=0)
+    return np.asarray(states - np.where(equations.drifting, turn.states[0], 0.0))
+
+
+def largest_along(equations: OrbitEquations, turn: Turn) -> Floats:
+    """Largest size of each state along an orbit, within the legs too, drifts left out."""
+    return np.asarray(np.abs(states_along(equations, turn)).max(axis=0))
 
 
 class _EntryGuards:
