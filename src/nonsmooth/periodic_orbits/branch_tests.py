@@ -26,7 +26,7 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.excursions import is_graze, path_at_corner
 from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError
-from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
+from nonsmooth.periodic_orbits.multipliers import Floquet, floquet, multipliers_at_touch
 from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.onto import (
     chatters,
@@ -71,6 +71,7 @@ _SHORT_OF_SLIDE = 1e-3
 _REMEMBERED = 100  # orbits: those of a step, with the trials for its special points
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
 _OF_GUARDS = ("graze", "corner", "gain")  # what is a guard, and not a rate or a duration
+_TOUCHES = 1e-6  # speed of an impact beside the rates of all states
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
 
 
@@ -256,6 +257,12 @@ class BranchTests:
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
         self._corners = [path_at_corner(word, wiring, k) is not None for k in range(len(word))]
         self._short = [_shortest(wiring, mode, k, word) for k, mode in enumerate(word.modes)]
+        self._resets = np.array(
+            [
+                bool(path) and wiring.resets(mode, path[0])
+                for mode, path in zip(word.modes, word.paths, strict=True)
+            ]
+        )
         families = equations.legs.tables.families
         self._surface = [  # legs that end at a surface which is crossed without a reset
             crosses(wiring, families, word.modes[k], path) for k, path in enumerate(word.paths)
@@ -279,6 +286,9 @@ class BranchTests:
         residual = equations.gap(turn, found)
         turn = Turn(found.starts.copy(), turn.instants)
         multipliers = floquet(equations, found)
+        if self._touches(found):
+            multipliers = multipliers_at_touch(equations, turn)
+            found = legs.follow(equations.word, turn.states, turn.instants)
         tests = tests_of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
         kept, faded = self._of_word(turn, found, beside)
@@ -311,6 +321,15 @@ class BranchTests:
             del self._seen[next(iter(self._seen))]
         self._seen[key] = looked
         return looked
+
+    def _touches(self, found: LegResults) -> bool:
+        """Whether a cycle meets a wall so slowly that few digits of the speed are known."""
+        if not self.equations.autonomous:
+            return False
+        n = self.equations.legs.n
+        rows = np.linalg.norm(found.guard_row[:, :n], axis=1)
+        fast = np.linalg.norm(found.end_rates, axis=1) * rows
+        return bool(np.any(self._resets & (np.abs(found.guard_rate) <= _TOUCHES * fast)))
 
     def _broken(self, name: str) -> str:
         """What has happened before an orbit, in words."""

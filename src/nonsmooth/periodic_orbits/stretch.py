@@ -55,7 +55,11 @@ class BranchOptions:
 
 @dataclass
 class BranchStart:
-    """Where a stretch begins; ``grows`` is the test that is zero there."""
+    """Where a stretch begins; ``grows`` is the test that is zero there.
+
+    ``way`` is the sign of the parameter along the first orbits, 0 where they were not tried. The
+    direction does not tell it where the parameter changes with the square of what grows.
+    """
 
     equations: OrbitEquations
     unknowns: Floats
@@ -65,6 +69,7 @@ class BranchStart:
     kind: str = ""
     detail: str = ""
     located: bool = False  # whether the change itself is located behind the start
+    way: float = 0.0
 
 
 class BranchStretch:
