@@ -57,7 +57,18 @@ _AT_BORDER = {
     "crossing_sliding": "ends where a surface is crossed at the border of the part that slides",
     "switching_sliding": "ends where the part of a surface that slides begins",
 }
-_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
+_MOST_TELLING = (
+    "shrink",
+    "slide",
+    "short",
+    "leg",
+    "gain",
+    "over",
+    "enter",
+    "graze",
+    "rate",
+    "corner",
+)
 _TOGETHER = 1e-6  # a test that vanishes at the same point as another one
 _SLOW = 1e-6  # speed of an impact, beside what the guard comes to in a turn
 _NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation

@@ -30,6 +30,7 @@ from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.onto import (
     is_onto,
     joined,
+    jump_over,
     kind_of_excursion,
     kind_of_leg,
     modes_along,
@@ -147,6 +148,8 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
         return first + _at_walls(wall_before_surface(equations, turn, k))
     if kind == "gain":
         return [_with_leg_of_path(equations, turn, k, int(numbers[1]))]
+    if kind == "over":
+        return _over_surface(equations, turn, k, int(numbers[1]))
     if kind == "short":
         return _without_excursion(equations, turn, k) + _at_walls(
             wall_before_surface(equations, turn, k)
@@ -220,6 +223,9 @@ def _without_leg(equations: OrbitEquations, turn: Turn, k: int) -> Change:
     place = before if before < k else before - 1
     kind = kind_of_leg(wiring, mode, word.paths[before], word.modes[k], word.paths[k])
     grows = f"gain:{place}:{len(word.paths[before])}"
+    if len(paths[before]) < len(word.paths[before]):  # the leg was beyond a surface, and is not
+        jumped = modes_along(wiring, mode, paths[before])[-1], word.paths[before][-1]
+        grows = f"over:{place}:{int(wiring.exits['onto'][jumped])}"
     if kind == "crossing_sliding" and len(paths[before]) == 1:
         grows = f"slide:{place}"
     elif kind == "switching_sliding":
@@ -245,6 +251,22 @@ def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> 
     test = "short" if is_graze(guess.word, wiring, k + 1) else "leg"
     kind = kind_of_leg(wiring, word.modes[k], path[:j], mode, path[j:])
     return Change(kind or "gained", guess, f"{test}:{k + 1}")
+
+
+def _over_surface(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
+    """The impact that ends leg k throws the motion over the surface of guard g, and it comes back.
+
+    The surface holds nothing of it, or the motion would stay on it.
+    """
+    word, wiring = equations.word, equations.legs.tables.wiring
+    mode = word.last_target(wiring, k)
+    jump = jump_over(wiring, mode, g)
+    away = int(wiring.exits["target"][mode, jump])
+    path = (*word.paths[k], jump)
+    return [
+        Change("gained", _with_leg(equations, turn, k, path, away, back), f"leg:{k + 1}")
+        for back in shortest_paths(wiring, away, mode)
+    ]
 
 
 def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
