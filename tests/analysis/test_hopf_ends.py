@@ -1,7 +1,8 @@
 """Branches of cycles without events that shrink to a point, wherever on the cycle they begin.
 
 Cycles of a Hopf bifurcation grow with the root of the distance from it, so one that is 1e-5 of the
-first is 1e-10 away, beside the range of the parameter.
+first is 1e-10 away, beside the range of the parameter. The end itself is that of the rest, which is
+known to rounding.
 """
 
 import numpy as np
@@ -138,3 +139,50 @@ def test_a_cycle_that_stops_sticking_goes_on_without_events():
     place = int(branch["special_point"].values[0])
     assert set(branch["word"].values[place + 1 :]) == {"turn"}
     assert not branch["stable"].values[place + 1 : -1].any()
+
+
+@pytest.mark.parametrize("centre", [0.0, 0.5, 1.0, 3.0, 10.0])
+def test_where_the_cycle_lies_does_not_matter(centre):
+    """Rayleigh's oscillator about any point: the trace at rest is mu, and its turns last 2 pi."""
+    system = ns.System(
+        states=["x", "v"],
+        parameters={"mu": 0.3},
+        initial={"x": centre + 1.0},
+        equations={"x": "v", "v": f"-(x - {centre}) + mu*v - v**3"},
+    )
+    orbit = ns.find_orbit(system, transient=10)
+    branch = ns.continue_orbit(system, "mu", (-0.5, 1.0), initial=orbit)
+    assert list(branch["special_kind"].values) == ["hopf", "bound"]
+    # a flow over a quarter of a turn is known to 1e-15 or so, of which growth is mu/2
+    assert float(branch["special_value"][0]) == pytest.approx(0.0, abs=1e-14)
+    rest = branch.isel(point=int(branch["special_point"][0]))
+    assert float(rest["x"]) == pytest.approx(centre, abs=1e-14 * (1.0 + centre))
+    assert float(rest["length"]) == pytest.approx(2.0 * np.pi, rel=1e-14)
+    mu = branch["mu"].values
+    assert np.all(np.diff(mu) > 0.0)
+
+
+@pytest.mark.parametrize("stop", [9.0, 1.35])
+def test_the_cycle_of_a_belt_ends_where_its_steady_slip_loses_stability(stop):
+    """Friction falls with the slip by (Fs - Fk)/vs exp(-vb/vs), which damping 2 z balances there.
+
+    The rest lies at 0.55, so that cycles of 1e-5 are known to few digits. None of
+    them comes to the stop at 1.35.
+    """
+    system = ns.System(
+        states=["x", "v"],
+        parameters={"z": 0.02, "Fk": 0.5, "Fs": 1.0, "vs": 0.25, "vb": 1.1, "g": stop, "r": 0.6},
+        modes={
+            "run": ns.Mode(
+                {"x": "v", "v": "-x - 2*z*v - sign(s)*(Fk + (Fs - Fk)*exp(-abs(s)/vs))"},
+                exits=[ns.Exit("g - x", reset={"v": "-r*v"}, name="stop")],
+            )
+        },
+        surfaces={"s": ns.Surface("v - vb", below="lag", on="stick", above="lead")},
+    )
+    orbit = ns.find_orbit(system, {"x": 0.0, "v": 0.0}, transient=0)
+    assert orbit["word"].item() == "run[lag]"
+    branch = ns.continue_orbit(system, "vb", (0.9, 1.2), initial=orbit)
+    assert list(branch["special_kind"].values) == ["hopf", "bound"]
+    end = float(branch["special_value"][0])
+    assert end == pytest.approx(0.25 * np.log(0.5 / (0.25 * 0.04)), rel=1e-13)

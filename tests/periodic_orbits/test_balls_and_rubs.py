@@ -90,3 +90,38 @@ def test_synchronous_rub(words):
         log = -8 * np.pi * words["zeta"] / words["omega"]
         assert abs(float(orbit["log_determinant"]) - log) < 1e-10
         assert bool(orbit["stable"]) == bool(abs(rub.multipliers[0]) < 1)
+
+
+@pytest.mark.parametrize("begin", [3.5e-4, 4.0e-4, 4.1e-4, 4.3e-4])
+def test_the_lift_off_of_a_ball_is_the_same_from_either_side(begin):
+    """It rests until the table falls faster than gravity and tether pull: A w**2 = g + k A/m.
+
+    Quadratic drag is nothing there, as the speed is zero where the table turns. Behind the lift-off
+    flights rebound without end, with words that change without end.
+    """
+    system = ns.System(
+        states=["h", "u"],
+        parameters={"g": 9.81, "m": 5e-3, "c": 2e-4, "k": 0.02, "A": 5e-4, "f": 25.0, "r": 0.7},
+        period="1/f",
+        definitions={"s": "A*sin(2*pi*f*t)", "sv": "2*pi*f*A*cos(2*pi*f*t)"},
+        initial={"h": 0.002, "u": 0.0},
+        modes={
+            "flight": ns.Mode(
+                {"h": "u", "u": "-g - c/m*u*abs(u) - k/m*h"},
+                exits=[
+                    ns.Exit(
+                        "h - s", reset={"u": "-r*u + (1 + r)*sv"}, sticks="rides", name="bounce"
+                    )
+                ],
+            )
+        },
+    )
+    orbit = ns.find_orbit(system, parameters={"A": begin})
+    branch = ns.continue_orbit(
+        system, "A", (3e-4, 4.4e-4), initial=orbit, parameters={"A": begin},
+        direction="up" if begin < 3.9e-4 else "down",
+    )  # fmt: skip
+    (place,) = np.flatnonzero(branch["special_kind"].values == "corner")
+    lift_off = 9.81 / ((50.0 * np.pi) ** 2 - 0.02 / 5e-3)
+    # guards count as zero within 500 roundings of their terms
+    assert float(branch["special_value"][place]) == pytest.approx(lift_off, rel=500 * 2.3e-16 * 3)

@@ -120,8 +120,8 @@ def continue_orbit(
         Over ``point``, in order along the branch, the variables of `find_orbit`, the parameter
         under its own name and ``arclength``, which is 0 where the branch began. Over ``special``:
         ``special_kind``, ``special_value`` (of the parameter), ``special_point`` (its number among
-        the points), ``special_multiplier`` and ``special_detail``. At a graze of a rigid wall a
-        multiplier has no bound, and ``special_multiplier`` is infinite. Attributes
+        the points), ``special_multiplier`` and ``special_detail``. At a graze of a rigid wall
+        ``special_multiplier`` is infinite where a multiplier has no bound. Attributes
         ``end_first`` and ``end_last`` say why the branch ended where the points begin and end.
 
     Raises
@@ -169,7 +169,8 @@ def continue_orbit(
     ``sliding``
         A surface begins to hold the motion, or does not any more, in another way than these.
     ``hopf``
-        Where the branch ends: a cycle without events shrinks to a point.
+        Where the branch ends: a cycle without events shrinks to a point. That is the rest whose
+        perturbations neither grow nor decay, and stands as the last orbit.
     ``word_change``
         The engine finds another motion, although none of these happens.
     ``bound``, ``closed``
@@ -182,6 +183,12 @@ def continue_orbit(
     point behind which no orbit is found that is a motion. Every orbit is checked by
     the engine, as in `find_orbit`, and every step by whether its orbits are motions and its special
     points explain what multipliers and the parameter do; a step that fails is halved.
+
+    A slow impact on a rigid wall, of speed v, kicks perturbations by k (h y)/v, h being the
+    derivative of the gap by the state and k the jump of the flow (its saltation matrix). If M is
+    what happens until the next impact, a multiplier grows like h M k/v. At a graze it has a limit
+    where h M k is zero: where k is along the flow, as for cycles in the plane that nothing drives,
+    and where sticking leaves only the flow.
 
     A cycle without events begins on a plane across its flow. Where the flow passes the plane at a
     flat angle, it is laid anew through the first state and the middle of the cycle.

@@ -12,7 +12,14 @@ from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, kind_of, part_of
-from nonsmooth.periodic_orbits.branch_start import before_graze, begin_change, goes_on, tangent_at
+from nonsmooth.periodic_orbits.branch_start import (
+    REGULAR,
+    before_graze,
+    begin_change,
+    goes_on,
+    nearest_behind,
+    tangent_at,
+)
 from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, what_of
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess, driven_guess
@@ -50,13 +57,24 @@ _AT_BORDER = {
     "crossing_sliding": "ends where a surface is crossed at the border of the part that slides",
     "switching_sliding": "ends where the part of a surface that slides begins",
 }
-_MOST_TELLING = ("shrink", "slide", "short", "leg", "gain", "enter", "graze", "rate", "corner")
-_REGULAR = ("graze", "corner", "slide", "enter")  # smooth where a leg begins on the other side
+_MOST_TELLING = (
+    "shrink",
+    "slide",
+    "short",
+    "leg",
+    "gain",
+    "over",
+    "enter",
+    "graze",
+    "rate",
+    "corner",
+)
 _TOGETHER = 1e-6  # a test that vanishes at the same point as another one
 _SLOW = 1e-6  # speed of an impact, beside what the guard comes to in a turn
 _NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
 _SETTLED = (1e-6, 1e-5, 1e-4, 1e-3)  # of the range: where motions are let settle beyond a change
 _TURNS = 100  # in which they settle
+_BACK = 1e4  # times the step that tells how a test grows: to a change behind settled motions
 _FAR = 0.05  # of the size of an orbit: motions that settle farther away are others
 _CLOSER = 0.01  # part of the way to a change, over which an orbit that joins it comes closer
 _SAME = 1e-7  # of the size of an orbit: as close as it can come
@@ -321,9 +339,28 @@ def _by_settled_motion(
                 continue
             start.kind = kind_of(name)
             start.detail = _detail(stretch, name, start, point)
+            located = _located_behind(stretch, start)
+            if located is not None:
+                return located, None
             stands = replace(looked, admissibility=Admissibility(True))
             return start, part_of(stretch, stands, point, along, start.kind, start.detail)
     return None
+
+
+def _located_behind(stretch: BranchStretch, start: BranchStart) -> BranchStart | None:
+    """The start before the change of its own word, from which that is located.
+
+    Orbits whose motions rebound without end change their words without end just before they come to
+    rest, and the last change that they tell is not the one behind which they rest.
+    """
+    stretch.set_parameter(start.value)
+    name = nearest_behind(stretch, start)
+    before = before_graze(stretch, start, name, _BACK) if name else None
+    if before is None:
+        return None
+    system, word = stretch.options.system, start.equations.word
+    way_on = start.detail.rpartition("; ")[2]
+    return replace(before, kind=kind_of(name), detail=f"{in_words(system, word, name)}; {way_on}")
 
 
 def _is_known(stretch: BranchStretch, word: Word, *, back: bool) -> bool:
@@ -356,7 +393,7 @@ def _touched(stretch: BranchStretch, start: BranchStart) -> str:
     tests = BranchTests(start.equations, stretch.options.tolerance, whole=False, grows=start.grows)
     found = tests.look(start.unknowns).tests
     grazes = {name: value for name, value in found.items() if what_of(name) == "graze"}
-    if start.grows in found and what_of(start.grows) in _REGULAR:
+    if start.grows in found and what_of(start.grows) in REGULAR:
         return start.grows
     least = min(grazes, key=lambda name: grazes[name], default="")
     return least if least and grazes[least] < 0.0 else ""
@@ -435,7 +472,10 @@ def _detail(stretch: BranchStretch, name: str, start: BranchStart, point: Point)
         k -= kind in ("leg", "rate") and k > 0
         what = f"leg {k + 1} ({system.mode_names[word.modes[k]]}) {_AT_BORDER[start.kind]}"
     # at the border of what slides an orbit is there on either side
-    turns = start.kind not in _AT_BORDER and start.direction[1] * point.tangent_p < 0.0
+    # where an impact has no speed the parameter may change with the square of what does
+    before = stretch.trail.way(word) or point.tangent_p
+    behind = start.way or start.direction[1]
+    turns = start.kind not in _AT_BORDER and before * behind < 0.0
     way = "the branch turns back" if turns else "the branch goes on"
     return f"{what}; {way} as '{start.equations.word.text(system)}'"
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic_orbits.branch_tests import Looked, what_of
-from nonsmooth.periodic_orbits.multipliers import UNBOUNDED, Floquet
+from nonsmooth.periodic_orbits.graze_pole import has_pole
+from nonsmooth.periodic_orbits.multipliers import UNBOUNDED, Floquet, multipliers_at_touch
 from nonsmooth.periodic_orbits.stretch import BranchStretch
 from nonsmooth.periodic_orbits.symmetric import is_antisymmetric
 from nonsmooth.periodic_orbits.word import Word
@@ -26,8 +27,9 @@ __all__ = [
 
 _OF_EQUATIONS = ("residual", "derivative", "test ", "matrix")  # reasons that tell of no orbit
 _KINDS = {
-    "graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost", "gain": "gained",
-    "slide": "sliding", "enter": "sliding", "shrink": "hopf", "motion": "word_change",
+    "graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost",
+    "gain": "gained", "over": "gained", "slide": "sliding",
+    "enter": "sliding", "shrink": "hopf", "motion": "word_change",
 }  # fmt: skip
 OF_MULTIPLIERS = ("flip", "torus", "fold", "branch_point")
 _NEAR_ONE = 1e-3  # the same at a fold or a crossing, which some orbits have only to half the digits
@@ -104,30 +106,28 @@ def part_of(
         special = "symmetry_breaking"
     test = point.special if special else ""
     way = float(np.sign(point.tangent_p))
-    unbounded = special == "grazing" and _kicks(stretch, point.special)
-    if unbounded and what_of(point.special) == "rate":
-        looked = replace(looked, multipliers=_without_bound(looked.multipliers))
+    unbounded = False
+    if special == "grazing":
+        stretch.set_parameter(point.p)
+        unbounded = has_pole(stretch.equations, looked.turn, point.special)
+        if what_of(point.special) == "rate":
+            looked = replace(looked, multipliers=_at_touch(stretch, looked, unbounded=unbounded))
     return BranchPart(
         stretch.equations.word, looked, point.p, along, special, detail, test, way, unbounded
     )
 
 
-def _kicks(stretch: BranchStretch, name: str) -> bool:
-    """Whether what is touched has a reset, as a rigid wall has."""
-    kind, *numbers = name.split(":")
-    if kind not in ("graze", "rate", "corner"):
-        return False
-    word, k = stretch.equations.word, int(numbers[0])
-    e = word.paths[k][0] if kind == "rate" else int(numbers[1])
-    return stretch.legs.tables.wiring.resets(word.modes[k], e)
+def _at_touch(stretch: BranchStretch, looked: Looked, *, unbounded: bool) -> Floquet:
+    """Multipliers where an impact has no speed: one is infinite, or all of them have limits.
 
-
-def _without_bound(multipliers: Floquet) -> Floquet:
-    """The same with an infinite multiplier, of which rounding has made a large one of any sign."""
-    values = multipliers.multipliers.copy()
+    Rounding has made a large one of any sign of the infinite one.
+    """
+    if not unbounded:
+        return multipliers_at_touch(stretch.equations, looked.turn)
+    values = looked.multipliers.multipliers.copy()
     if values.size and not abs(values[0]) <= UNBOUNDED:  # no number where there is no rate at all
         values[0] = np.inf
-    return multipliers._replace(multipliers=values)
+    return looked.multipliers._replace(multipliers=values)
 
 
 def is_critical(looked: Looked, kind: str) -> bool:

@@ -24,13 +24,19 @@ from nonsmooth.periodic_orbits.branch_part import (
 )
 from nonsmooth.periodic_orbits.branch_start import tangent_at
 from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word, what_of
+from nonsmooth.periodic_orbits.cycle_end import end_of_cycles, is_nothing
 from nonsmooth.periodic_orbits.cycle_plane import direction_on, is_flat, on_new_plane
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.orbit import primitive_parts
 from nonsmooth.periodic_orbits.step_check import StepCheck
-from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch
+from nonsmooth.periodic_orbits.stretch import (
+    BranchOptions,
+    BranchStart,
+    BranchStretch,
+    spread_along,
+)
 from nonsmooth.periodic_orbits.trail import Trail
 
 __all__ = ["follow_orbits"]
@@ -57,15 +63,15 @@ _NO_CHANGE = ("", "section")  # kinds of starts at which the word stays, but for
 class _StretchWalk:
     """Walks along a stretch; behind it, ``following`` or ``ended`` says how the branch goes on.
 
-    ``begin`` is the arclength so far, 0 for the first stretch; ``first_scale`` the size of the
-    first orbit; neither is set where the steps are used up.
+    ``begin`` is the arclength so far, 0 for the first stretch; ``first`` the spread of each state
+    of the first orbit; neither is set where the steps are used up.
     """
 
     def __init__(
-        self, stretch: BranchStretch, start: BranchStart, begin: float, first_scale: float
+        self, stretch: BranchStretch, start: BranchStart, begin: float, first: Floats
     ) -> None:
         self.stretch, self.start = stretch, start
-        self.begin, self.along, self.first_scale = begin, begin, first_scale
+        self.begin, self.along, self.first = begin, begin, first
         self.done = 0
         self.check = StepCheck(stretch, start, behind_change=begin > 0.0)
         self.following: BranchStart | None = None
@@ -170,9 +176,12 @@ class _StretchWalk:
                 return
             name = broken_test(looked)
             point = replace(point, special=name)
-        if name == "shrink" and not self._is_nothing(point):
-            # it only touches the plane on which it begins, where the tangent is that of the flow
-            self.following = self._goes_on_at(point, self._direction)
+        if name == "shrink":
+            if self._is_nothing(point):
+                self.ended = end_at("shrink", looked, self.stretch)
+                yield self._shrunk(point, looked)
+            else:  # it only touches its plane, where the tangent is that of the flow
+                self.following = self._goes_on_at(point, self._direction)
             return
         self.stretch.remember(point)
         try:
@@ -221,7 +230,7 @@ class _StretchWalk:
         elif not point.special and point.arclength > 0.0 and self._needs_new_measures(point):
             if self._is_nothing(point):
                 self.ended = end_at("shrink", looked, self.stretch)
-                yield self._part(looked, replace(point, special="shrink"), "hopf", SHRINKS)
+                yield self._shrunk(point, looked)
                 return
             self.following = self._goes_on_at(point, (point.tangent_u, point.tangent_p))
 
@@ -236,7 +245,16 @@ class _StretchWalk:
     def _is_nothing(self, point: Point) -> bool:
         """Whether a cycle without events has shrunk to a point."""
         self.stretch.set_parameter(point.p)
-        return self.stretch.is_nothing_beside(point.u, self.first_scale)
+        return is_nothing(self.stretch.equations, point.u, self.first)
+
+    def _shrunk(self, point: Point, looked: Looked) -> BranchPart:
+        """The point to which cycles shrink: the rest there, or the last cycle if none is found."""
+        equations, bounds = self.stretch.equations, self.stretch.options.bounds
+        end = end_of_cycles(equations, point, self.stretch.set_parameter, bounds)
+        self.stretch.set_parameter(point.p if end is None else end.p)
+        if end is not None:
+            point, looked = end, self.stretch.look(end)
+        return self._part(looked, replace(point, special="shrink"), "hopf", SHRINKS)
 
     def _goes_on_at(self, point: Point, direction: tuple[Floats, float]) -> BranchStart:
         """The branch goes on at the same orbit with new measures."""
@@ -359,6 +377,7 @@ def _follow(
     unexplained: list[float] = []
     begun: list[BranchStart] = []  # stretches behind changes of the word
     first = scale_of(start.equations, start.unknowns)[: legs.n]
+    spread = spread_along(start.equations, start.unknowns)
     # what is driven and shrinks is known to the rounding of what drives it
     least = np.zeros(legs.n) if options.autonomous else _LEAST * first
     while done < options.steps:
@@ -366,7 +385,7 @@ def _follow(
             start = _on_new_plane(options, legs, start)
         trail.begin()
         stretch = BranchStretch(options, legs, start.equations, start.grows, least, trail)
-        walk = _StretchWalk(stretch, start, along, float(first.max()))
+        walk = _StretchWalk(stretch, start, along, spread)
         yield from walk.points(options.steps - done, partial(_report, report, done))
         unexplained += walk.check.unexplained
         if walk.ended is not None:

@@ -20,10 +20,19 @@ from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Branch
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.periodic_orbits.word_change import Change
 
-__all__ = ["before_graze", "begin_change", "doubled_start", "goes_on", "tangent_at"]
+__all__ = [
+    "REGULAR",
+    "before_graze",
+    "begin_change",
+    "doubled_start",
+    "goes_on",
+    "nearest_behind",
+    "tangent_at",
+]
 
 Floats = npt.NDArray[np.float64]
 
+REGULAR = ("graze", "corner", "slide", "enter")  # tests that are smooth where a leg begins
 _SOLVED = 1e-7  # scaled residual of a start where the equations are singular
 _NEWTON = 20
 _SMALL = 1e-6  # scaled step that tells which way a test grows
@@ -159,7 +168,7 @@ def _way(
 
 
 def goes_on(stretch: BranchStretch, start: BranchStart) -> bool:
-    """Whether the first orbits of a new stretch are motions."""
+    """Whether the first orbits of a new stretch are motions; they tell its way too."""
     trial = BranchStretch(stretch.options, stretch.legs, start.equations, start.grows)
     step = _FIRST * stretch.options.step
     least = max(stretch.options.smallest_step, _LEAST * step)
@@ -174,6 +183,7 @@ def goes_on(stretch: BranchStretch, start: BranchStart) -> bool:
         points = [point for point in branch if point.special in ("", "bound")]
     except NonsmoothError:
         return False
+    start.way = float(np.sign(points[-1].p - start.value)) if points else 0.0
     if stretch.trail.leads_back(start.equations.word, points):
         return False
     if stretch.options.inadmissible or start.kind == "section":  # where nothing happens to it
@@ -194,7 +204,9 @@ def _has_changed_again(stretch: BranchStretch, start: BranchStart) -> bool:
     )
 
 
-def before_graze(stretch: BranchStretch, start: BranchStart, graze: str) -> BranchStart | None:
+def before_graze(
+    stretch: BranchStretch, start: BranchStart, graze: str, farthest: float = _FARTHEST
+) -> BranchStart | None:
     """The start of a stretch moved to before its graze, so that it is located from there.
 
     Where the branch turns back, the first orbit may lie behind it, by as little as the excursion
@@ -215,7 +227,7 @@ def before_graze(stretch: BranchStretch, start: BranchStart, graze: str) -> Bran
         h = _SMALL / max(size, 1e-300)
         rate = (lowest(start.unknowns + h * du, start.value + h * dp) - here) / h
         back = _BEFORE * here / rate if rate > 0.0 else np.nan
-        if not back <= _FARTHEST * h:
+        if not back <= farthest * h:
             return None
         value = start.value - back * dp
         stretch.set_parameter(value)
@@ -225,6 +237,28 @@ def before_graze(stretch: BranchStretch, start: BranchStart, graze: str) -> Bran
     except LegError:
         return None
     return replace(start, unknowns=solution.unknowns, value=value, grows=graze, located=True)
+
+
+def nearest_behind(stretch: BranchStretch, start: BranchStart) -> str:
+    """The test that was zero last, of those that are smooth where a stretch begins; "" for none."""
+    equations, (du, dp) = start.equations, start.direction
+    tests = BranchTests(equations, stretch.options.tolerance, whole=False)
+    size = float(np.sqrt(np.mean((du / scale_of(equations, start.unknowns)) ** 2))) + abs(dp)
+    h = _SMALL / max(size, 1e-300)
+    found = []
+    try:
+        for step in (0.0, h):
+            stretch.set_parameter(start.value + step * dp)
+            found.append(tests.look(start.unknowns + step * du).tests)
+    except LegError:
+        return ""
+    here, later = found
+    back = {
+        name: value / (later[name] - value)
+        for name, value in here.items()
+        if what_of(name) in REGULAR and name in later and later[name] > value > 0.0
+    }
+    return min(back, key=lambda name: back[name], default="")
 
 
 def _solved_start(

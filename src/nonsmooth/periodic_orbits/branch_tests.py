@@ -5,7 +5,8 @@ Each is a number without unit whose sign changes where something happens. Names 
 ``corner:k:g``, it is zero at the end of leg k, where another guard is; ``short:k``, leg k is about
 to vanish in a graze, or together with the next one at a corner; ``leg:k``, it vanishes otherwise;
 ``rate:k``, the exit of leg k is passed without a rate; ``gain:k:j``, exit j of a path is no longer
-passed at once; ``slide:k``, both sides of the surface at the end of leg k point at it;
+passed at once; ``over:k:g``, the impact that ends leg k throws over the surface of guard g;
+``slide:k``, both sides of the surface at the end of leg k point at it;
 ``enter:k:g``, guard g of the cell on a surface that leg k ends at lets motion off it at once;
 ``shrink``, a cycle without events touches the plane on which it begins, or shrinks to a point;
 ``motion``, the engine finds another motion although none of these has changed its sign.
@@ -24,15 +25,15 @@ from nonsmooth.engine.tables import DERIVATIVES, Wiring
 from nonsmooth.periodic_orbits.admissibility import Admissibility, check_admissible
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.excursions import is_graze, path_at_corner
+from nonsmooth.periodic_orbits.guards_behind import EntryGuards, JumpedGuards, KeptGuards
 from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError
-from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
+from nonsmooth.periodic_orbits.multipliers import Floquet, floquet, multipliers_at_touch
 from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.onto import (
     chatters,
     crosses,
     is_onto,
-    jumps_over,
     kind_of_excursion,
     modes_along,
 )
@@ -46,6 +47,7 @@ __all__ = [
     "broken_tests",
     "is_of_word",
     "largest_along",
+    "states_along",
     "tests_of_multipliers",
     "what_of",
 ]
@@ -59,7 +61,8 @@ _EPS = float(np.finfo(float).eps)
 # 20 were seen in guards that are zero by construction
 _ROUNDINGS = 500.0
 _OF_WORD = (
-    "graze", "corner", "short", "leg", "rate", "gain", "slide", "enter", "shrink", "motion",
+    "graze", "corner", "short", "leg", "rate", "gain", "over", "slide", "enter", "shrink",
+    "motion",
 )  # fmt: skip
 # part of the turn: a contact of this duration counts as a graze. It is as long as the root of the
 # distance from the graze, so this is 1e-10 away; shorter ones make Newton's matrix singular
@@ -69,7 +72,8 @@ _SHORT = 1e-5
 _SHORT_OF_SLIDE = 1e-3
 _REMEMBERED = 100  # orbits: those of a step, with the trials for its special points
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
-_OF_GUARDS = ("graze", "corner", "gain")  # what is a guard, and not a rate or a duration
+_OF_GUARDS = ("graze", "corner", "gain", "over")  # what is a guard, and not a rate or a duration
+_TOUCHES = 1e-6  # speed of an impact beside the rates of all states
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
 
 
@@ -114,8 +118,8 @@ def _guard_sizes(
     return _GuardSizes(sizes, rounding)
 
 
-def largest_along(equations: OrbitEquations, turn: Turn) -> Floats:
-    """Largest size of each state along an orbit, within the legs too, drifts left out."""
+def states_along(equations: OrbitEquations, turn: Turn) -> Floats:
+    """States along an orbit, within the legs too, without how far the drifts have come."""
     legs, count = equations.legs, len(equations.word)
     leg = np.repeat(np.arange(count), _WITHIN)
     begins = turn.instants[leg]
@@ -127,80 +131,12 @@ def largest_along(equations: OrbitEquations, turn: Turn) -> Floats:
         states = np.concatenate([states, within])
     except LegError:  # those at the events have to do
         pass
-    apart: Floats = np.abs(states - np.where(equations.drifting, turn.states[0], 0.0))
-    return apart.max(axis=0)
+    return np.asarray(states - np.where(equations.drifting, turn.states[0], 0.0))
 
 
-class _EntryGuards:
-    """Guards of the cells that are entered by paths onto surfaces, at that instant.
-
-    They are positive where both sides point at the surface, or where a contact is pressed.
-    """
-
-    def __init__(self, equations: OrbitEquations) -> None:
-        self._legs, wiring = equations.legs, equations.legs.tables.wiring
-        word = equations.word
-        self._ends = [  # legs that end so
-            k for k, path in enumerate(word.paths) if path and _enters(wiring, word.modes[k], path)
-        ]
-        self._entered = [(k + 1) % len(word) for k in self._ends]
-        modes = tuple(word.modes[k] for k in self._entered)
-        self._word = Word(modes, ((),) * len(modes)) if modes else None
-
-    def values(self, turn: Turn) -> dict[tuple[int, int], float]:
-        """Value of each such guard, by the leg that ends there and the guard's number.
-
-        Results that the legs hold are overwritten where there are as many of them.
-        """
-        if self._word is None:
-            return {}
-        begins = turn.instants[self._entered]
-        found = self._legs.follow_each(self._word, turn.states[self._entered], begins, begins)
-        return {
-            (k, int(g)): float(found.others[i, g])
-            for i, k in enumerate(self._ends)
-            for g in np.flatnonzero(np.isfinite(found.others[i]))
-        }
-
-
-class _JumpedGuards:
-    """Guards of surfaces that hold, behind impacts that jump over them.
-
-    The exit over such a surface has no guard of its own: an impact passes it where the guard onto
-    the surface has become negative.
-    """
-
-    def __init__(self, equations: OrbitEquations) -> None:
-        self._legs, wiring = equations.legs, equations.legs.tables.wiring
-        word = equations.word
-        self._found = []  # leg, place in its path, mode before the surface, guard of the surface
-        for k, path in enumerate(word.paths):
-            j = len(path) - 1
-            mode = modes_along(wiring, word.modes[k], path)[j] if j > 0 else -1
-            if j > 0 and jumps_over(wiring, mode, path[j]):
-                self._found.append((k, j, mode, int(wiring.exits["onto"][mode, path[j]])))
-        modes = tuple(mode for _, _, mode, _ in self._found)
-        self._word = Word(modes, ((),) * len(modes)) if modes else None
-
-    def values(self, turn: Turn) -> dict[tuple[int, int], float]:
-        """Value of each such guard by its leg and its place in the path of that.
-
-        Results that the legs hold are overwritten where there are as many of them.
-        """
-        if self._word is None:
-            return {}
-        behind = [(k + 1) % len(turn.states) for k, *_ in self._found]
-        begins = turn.instants[behind]
-        found = self._legs.follow_each(self._word, turn.states[behind], begins, begins)
-        return {
-            (k, j): float(found.others[i, onto]) for i, (k, j, _, onto) in enumerate(self._found)
-        }
-
-
-def _enters(wiring: Wiring, mode: int, path: tuple[int, ...]) -> bool:
-    """Whether a path ends on a surface that it was not on before."""
-    last = modes_along(wiring, mode, path)[-2]
-    return is_onto(wiring, last, path[-1]) or int(wiring.exits["onto"][last, path[-1]]) == path[-1]
+def largest_along(equations: OrbitEquations, turn: Turn) -> Floats:
+    """Largest size of each state along an orbit, within the legs too, drifts left out."""
+    return np.asarray(np.abs(states_along(equations, turn)).max(axis=0))
 
 
 @dataclass
@@ -231,6 +167,7 @@ class _Beside(NamedTuple):
 
     entered: dict[tuple[int, int], float]  # guards of cells on surfaces, where they are entered
     jumped: dict[tuple[int, int], float]  # guards of surfaces that impacts jump over
+    kept: dict[tuple[int, int], float]  # guards of surfaces that impacts do not jump over
     lowest: Floats  # value of each guard within each leg
 
 
@@ -251,11 +188,18 @@ class BranchTests:
         self._grazing = [is_graze(word, wiring, k) for k in range(len(word))]
         self._corners = [path_at_corner(word, wiring, k) is not None for k in range(len(word))]
         self._short = [_shortest(wiring, mode, k, word) for k, mode in enumerate(word.modes)]
+        self._resets = np.array(
+            [
+                bool(path) and wiring.resets(mode, path[0])
+                for mode, path in zip(word.modes, word.paths, strict=True)
+            ]
+        )
         families = equations.legs.tables.families
         self._surface = [  # legs that end at a surface which is crossed without a reset
             crosses(wiring, families, word.modes[k], path) for k, path in enumerate(word.paths)
         ]
-        self._entries, self._jumped = _EntryGuards(equations), _JumpedGuards(equations)
+        self._kept = KeptGuards(equations)
+        self._entries, self._jumped = EntryGuards(equations), JumpedGuards(equations)
         self._seen: dict[bytes, Looked] = {}
         # legs in which the engine has found an event that the search for minima has missed
         self.closely: set[int] = set()
@@ -269,11 +213,17 @@ class BranchTests:
         if key in self._seen:
             return self._seen[key]
         turn = equations.unpack(unknowns)
-        beside = _Beside(self._entries.values(turn), self._jumped.values(turn), self._lowest(turn))
+        beside = _Beside(
+            self._entries.values(turn), self._jumped.values(turn), self._kept.values(turn),
+            self._lowest(turn),
+        )  # fmt: skip
         found = legs.follow(equations.word, turn.states, turn.instants)
         residual = equations.gap(turn, found)
         turn = Turn(found.starts.copy(), turn.instants)
         multipliers = floquet(equations, found)
+        if self._touches(found):
+            multipliers = multipliers_at_touch(equations, turn)
+            found = legs.follow(equations.word, turn.states, turn.instants)
         tests = tests_of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
         kept, faded = self._of_word(turn, found, beside)
@@ -306,6 +256,15 @@ class BranchTests:
             del self._seen[next(iter(self._seen))]
         self._seen[key] = looked
         return looked
+
+    def _touches(self, found: LegResults) -> bool:
+        """Whether a cycle meets a wall so slowly that few digits of the speed are known."""
+        if not self.equations.autonomous:
+            return False
+        n = self.equations.legs.n
+        rows = np.linalg.norm(found.guard_row[:, :n], axis=1)
+        fast = np.linalg.norm(found.end_rates, axis=1) * rows
+        return bool(np.any(self._resets & (np.abs(found.guard_rate) <= _TOUCHES * fast)))
 
     def _broken(self, name: str) -> str:
         """What has happened before an orbit, in words."""
@@ -358,6 +317,8 @@ class BranchTests:
             for g in np.flatnonzero(np.isfinite(found.others[k])):
                 if g != e:
                     tests[f"corner:{k}:{g}"] = float(found.others[k, g] / sizes.value[k, g])
+        for (k, guard), value in beside.kept.items():
+            tests[f"over:{k}:{guard}"] = value / float(sizes.value[(k + 1) % len(word), guard])
         for (k, guard), value in beside.entered.items():
             size = float(sizes.value[(k + 1) % len(word), guard])
             tests[f"enter:{k}:{guard}"] = value / size
@@ -379,6 +340,8 @@ class BranchTests:
             kind, *numbers = name.split(":")
             if kind in _OF_GUARDS:
                 k, g = map(int, numbers)
+                if kind == "over":  # it is one of the next leg
+                    k = (k + 1) % len(self.equations.word)
                 if kind == "gain":  # it is measured by the exit before it
                     g = self.equations.word.paths[k][0]
                 margin = float(relative[k, g])

@@ -15,7 +15,14 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["direction_on", "is_flat", "on_new_plane", "size_of_cycle", "spread_of_cycle"]
+__all__ = [
+    "direction_on",
+    "is_flat",
+    "on_new_plane",
+    "spread_of",
+    "spread_of_cycle",
+    "states_of_cycle",
+]
 
 Floats = npt.NDArray[np.float64]
 
@@ -25,7 +32,7 @@ _FLAT = 0.7  # cosine between the flow and the normal of the plane, from which o
 _ACROSS = 0.3  # of the flow: a normal that lies more along the plane does not hold the middle
 
 
-def _around(equations: OrbitEquations, unknowns: Floats) -> Floats:
+def states_of_cycle(equations: OrbitEquations, unknowns: Floats) -> Floats:
     """States along a cycle, after equal times, drifts left out."""
     turn = equations.unpack(unknowns)
     word = Word(equations.word.modes[:1] * _PLACES, ((),) * _PLACES)
@@ -38,15 +45,11 @@ def _around(equations: OrbitEquations, unknowns: Floats) -> Floats:
 
 def spread_of_cycle(equations: OrbitEquations, unknowns: Floats) -> Floats:
     """By how much each state varies, wherever the middle of the cycle is; (n,), positive."""
-    return _spread(_around(equations, unknowns))
+    return spread_of(states_of_cycle(equations, unknowns))
 
 
-def size_of_cycle(equations: OrbitEquations, unknowns: Floats) -> float:
-    """The most by which a state varies."""
-    return float(spread_of_cycle(equations, unknowns).max())
-
-
-def _spread(states: Floats) -> Floats:
+def spread_of(states: Floats) -> Floats:
+    """By how much each of some states varies; (n,), positive."""
     spread = np.ptp(states, axis=0)
     largest = max(float(spread.max()), 1e-300)
     return np.where(spread > _STILL * largest, spread, largest)
@@ -57,8 +60,8 @@ def on_new_plane(equations: OrbitEquations, unknowns: Floats) -> OrbitEquations:
 
     Lengths are measured by how much each state varies, so that units do not matter.
     """
-    states = _around(equations, unknowns)
-    spread = _spread(states)
+    states = states_of_cycle(equations, unknowns)
+    spread = spread_of(states)
     turn = equations.unpack(unknowns)
     found = equations.legs.follow(equations.word, turn.states, turn.instants)
     flow = np.where(equations.drifting, 0.0, found.start_rates[0]) / spread
@@ -71,8 +74,8 @@ def on_new_plane(equations: OrbitEquations, unknowns: Floats) -> OrbitEquations:
 
 def is_flat(equations: OrbitEquations, unknowns: Floats) -> bool:
     """Whether the flow passes the plane of a cycle at a flat angle."""
-    states = _around(equations, unknowns)
-    spread = _spread(states)
+    states = states_of_cycle(equations, unknowns)
+    spread = spread_of(states)
     turn = equations.unpack(unknowns)
     found = equations.legs.follow(equations.word, turn.states, turn.instants)
     flow = np.where(equations.drifting, 0.0, found.start_rates[0]) / spread

@@ -3,6 +3,11 @@
 An event shifts with the state before it; the saltation matrix of the event takes that into account
 (P. Mueller, 1995). The product over a turn is formed in a frame that turns with the motion
 (`engine/graded_product`), so that small multipliers keep their digits beside large ones.
+
+Where nothing drives a system, perturbations are taken modulo the flow: its part of them is left out
+at each event, before it is divided by the rate of the guard. An event that is passed slowly shifts
+by much, and moves perturbations along its kick by as much. Where the kick is along the flow, as at
+a rigid wall that one body touches, that is a shift in time and nothing else.
 """
 
 from __future__ import annotations
@@ -14,17 +19,29 @@ import numpy.typing as npt
 
 from nonsmooth.engine.orbits import LegResults, multiply_graded
 from nonsmooth.engine.tables import members
-from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["UNBOUNDED", "Floquet", "Poles", "floquet", "leg_factors"]
+__all__ = [
+    "UNBOUNDED",
+    "Factors",
+    "Floquet",
+    "Poles",
+    "floquet",
+    "leg_factors",
+    "multipliers_at_touch",
+]
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
+Integers = npt.NDArray[np.int64]
 
 UNBOUNDED = 1e8  # a multiplier that is larger at a graze only tells how nearly it was located
 _TURNS = 20  # of the frame before the product is formed
 _SPLIT = 1e-13  # part of a direction that couples blocks: rounding of orthogonal matrices
 _KICK = 1e-9  # change of the flow at an event, beside the flow, below which there is none
+_EARLIER = 1e-9  # part of the shortest leg: the limit is approached like that
+_CARRIED = 1e-3  # part of the rates by which the flow may miss them a turn later
 _RANK = 1e-13  # part of an event's matrix below which a direction is wiped out
 
 
@@ -32,7 +49,6 @@ class Floquet(NamedTuple):
     """Multipliers and what else is known of perturbations."""
 
     multipliers: Complexes  # largest modulus first, drifts and the motion along itself left out
-    along: complex  # the multiplier of the motion along itself, which is one; nan of a driven orbit
     log_determinant: float  # of the tangent without drifts: -inf where a direction is wiped out
     poles: Poles
 
@@ -41,7 +57,8 @@ class Poles(NamedTuple):
     """Factors without which multipliers have poles, where an event that kicks is passed slowly.
 
     The event's matrix has a term of rank one over the rate of its guard, as at the graze of a rigid
-    wall. So determinants of the tangent have a simple pole there, and change their sign.
+    wall. So determinants of the tangent have a simple pole there, and change their sign. Where
+    nothing drives the system, a kick along the flow does not count.
     """
 
     determinant: float  # product over the events of their rates, each over its kick, 1 at most
@@ -54,10 +71,18 @@ class Factors(NamedTuple):
     flow: Floats  # (L, n, n)
     events: Floats  # (L, n, n)
     shares: Floats  # (L,) rate of the guard at each event over its size together with the kick
+    kicks: Floats  # (L, n) change of the flow at each event
+    guards: Floats  # (L, n) derivatives of its guard by the state
 
 
-def leg_factors(equations: OrbitEquations, found: LegResults) -> Factors:
-    """Matrices of legs and of the events at their ends, instants of events free."""
+def leg_factors(
+    equations: OrbitEquations, found: LegResults, *, modulo_flow: bool = False
+) -> Factors:
+    """Matrices of legs and of the events at their ends, instants of events free.
+
+    ``modulo_flow``: perturbations behind each event without their part along the flow there, the
+    state that changes fastest being zero.
+    """
     n, stays = equations.legs.n, ~equations.drifting
     flow = found.flow[:, :n].transpose(0, 2, 1)
     events = found.jump[:, :n].transpose(0, 2, 1)
@@ -66,7 +91,11 @@ def leg_factors(equations: OrbitEquations, found: LegResults) -> Factors:
     # jump_rate is the flow before the event, taken through it
     jumps = found.jump_rate - np.roll(found.start_rates, -1, axis=0)
     at_event = np.array([bool(path) for path in equations.word.paths])
-    moved = jumps[:, :, None] * np.where(at_event[:, None], shifts, 0.0)[:, None, :]
+    if modulo_flow:
+        fastest = _fastest(equations, found)
+        events, jumps = (_without_flow(each, found, fastest) for each in (events, jumps))
+    with np.errstate(invalid="ignore"):  # a guard without a rate
+        moved = jumps[:, :, None] * np.where(at_event[:, None], shifts, 0.0)[:, None, :]
     events = events + np.where(at_event[:, None, None], moved, 0.0)
     kicks = np.linalg.norm(jumps, axis=1) * np.linalg.norm(found.guard_row[:, :n], axis=1)
     sizes = np.linalg.norm(found.end_rates, axis=1) * np.linalg.norm(found.guard_row[:, :n], axis=1)
@@ -74,7 +103,41 @@ def leg_factors(equations: OrbitEquations, found: LegResults) -> Factors:
     kicking = at_event & (kicks > _KICK * sizes)
     rates = -found.guard_rate
     shares = np.where(kicking, rates / np.hypot(rates, np.where(kicking, kicks, 1.0)), 1.0)
-    return Factors(flow[:, stays][:, :, stays], events[:, stays][:, :, stays], shares)
+    return Factors(
+        flow[:, stays][:, :, stays], events[:, stays][:, :, stays], shares,
+        np.where(kicking[:, None], jumps, 0.0)[:, stays], found.guard_row[:, :n][:, stays],
+    )  # fmt: skip
+
+
+def _fastest(equations: OrbitEquations, found: LegResults) -> Integers:
+    """Number of the state that changes fastest behind each event, of those that are free; (L,)."""
+    slaved = equations.legs.tables.wiring.modes["slaved"][equations.word.mode_array]
+    free = ~members(slaved, equations.legs.n) & ~equations.drifting
+    rates = np.where(free, np.abs(found.start_rates), -1.0)
+    return np.argmax(np.roll(rates, -1, axis=0), axis=1)
+
+
+def _without_flow(vectors: Floats, found: LegResults, fastest: Integers) -> Floats:
+    """Vectors, or columns of matrices, behind each event without their part along the flow."""
+    flow = np.roll(found.start_rates, -1, axis=0)
+    legs = np.arange(len(flow))
+    speed = flow[legs, fastest]
+    share = flow / np.where(speed == 0.0, 1.0, speed)[:, None]
+    share[legs, fastest] = 1.0
+    part = vectors[legs, fastest]
+    if vectors.ndim == 2:
+        return vectors - share * part[:, None]
+    return vectors - share[:, :, None] * part[:, None, :]
+
+
+def _has_flow(equations: OrbitEquations, found: LegResults) -> bool:
+    """Whether perturbations along the flow are known: not at rest, where its rates are rounding."""
+    if not equations.is_smooth_cycle:
+        return equations.autonomous
+    stays, n = ~equations.drifting, equations.legs.n
+    flow = found.flow[0, :n].T[np.ix_(stays, stays)]
+    gap = flow @ found.start_rates[0, stays] - found.end_rates[0, stays]
+    return bool(np.linalg.norm(gap) < _CARRIED * np.linalg.norm(found.end_rates[0, stays]))
 
 
 def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
@@ -82,14 +145,19 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
 
     nan where an event is passed without a rate, as at a graze.
     """
-    factors = leg_factors(equations, found)
+    modulo_flow = _has_flow(equations, found)
+    factors = leg_factors(equations, found, modulo_flow=modulo_flow)
     free = _free_states(equations)
+    if modulo_flow:  # the state that changes fastest follows from the others
+        number = np.cumsum(~equations.drifting) - 1  # of a state among those that do not drift
+        legs = np.arange(1, len(free) + 1) % len(free)
+        free[legs, number[_fastest(equations, found)]] = False
     ends = np.roll(free, -1, axis=0)  # free states behind each event
     events = np.where(ends[:, :, None], factors.events, 0.0)
     n = free.shape[1]
     if not np.all(np.isfinite(events)):
         unknown = np.full(n - equations.autonomous, np.nan, complex)
-        return Floquet(unknown, np.nan, np.nan, Poles(np.nan, np.nan))
+        return Floquet(unknown, np.nan, Poles(np.nan, np.nan))
     # begin where the fewest states are free, the others being given by them
     first = int(np.argmin(free.sum(axis=1)))
     rank = int(_ranks(events).min(initial=n))
@@ -99,13 +167,33 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
     values[:size] = _eigenvalues(np.ascontiguousarray(products), free[first])
     values = values[np.argsort(-np.abs(values), kind="stable")]
     values[min(size, rank) :] = 0.0  # what an event wipes out is gone, whatever rounding says
-    along = complex(np.nan)
     if equations.autonomous and n:
-        neutral = int(np.argmin(np.abs(values - 1.0)))
-        along = complex(values[neutral])
-        values = np.delete(values, neutral)
+        # the motion along itself, which is left out already or has a multiplier of one
+        values = np.delete(values, -1 if modulo_flow else int(np.argmin(np.abs(values - 1.0))))
     poles = _poles(equations, factors.shares, len(values))
-    return Floquet(values, along, _log_determinant(factors, free, rank), poles)
+    whole = leg_factors(equations, found) if modulo_flow else factors
+    return Floquet(values, _log_determinant(equations, whole), poles)
+
+
+def multipliers_at_touch(equations: OrbitEquations, turn: Turn) -> Floquet:
+    """Multipliers of an orbit that passes an impact with hardly any speed, where they have limits.
+
+    The speeds before and behind the impact belong to each other to rounding of the equations only,
+    which is not little beside them. So rates behind each event are those of the state to which it
+    leads. Where the speed is zero, the events are passed a little earlier.
+    """
+    legs, word = equations.legs, equations.word
+    open_word = Word(word.modes[1:] + word.modes[:1], ((),) * len(word))
+    for earlier in (0.0, _EARLIER * float(turn.durations.min())):
+        ends = turn.instants[1:] - earlier
+        nexts = legs.follow_each(word, turn.states, turn.instants[:-1], ends).nexts.copy()
+        rates = legs.follow_each(open_word, nexts, ends, ends).start_rates.copy()
+        found = legs.follow_each(word, turn.states, turn.instants[:-1], ends)
+        found.start_rates[:] = np.roll(rates, 1, axis=0)
+        multipliers = floquet(equations, found)
+        if np.all(np.isfinite(multipliers.multipliers)):
+            break
+    return multipliers
 
 
 def _poles(equations: OrbitEquations, shares: Floats, count: int) -> Poles:
@@ -162,9 +250,13 @@ def _eigenvalues(products: Floats, free: npt.NDArray[np.bool_]) -> Complexes:
     return np.concatenate(values).astype(complex)
 
 
-def _log_determinant(factors: Factors, free: npt.NDArray[np.bool_], rank: int) -> float:
+def _log_determinant(equations: OrbitEquations, factors: Factors) -> float:
     """Sum of logarithms over legs and events; -inf where directions are lost on the way."""
-    if not free.all() or rank < free.shape[1]:
+    free = _free_states(equations)
+    ends = np.roll(free, -1, axis=0)
+    events = np.where(ends[:, :, None], factors.events, 0.0)
+    n = free.shape[1]
+    if not free.all() or int(_ranks(events).min(initial=n)) < n:
         return -np.inf
     return float(
         np.linalg.slogdet(factors.flow)[1].sum() + np.linalg.slogdet(factors.events)[1].sum()

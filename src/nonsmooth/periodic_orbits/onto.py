@@ -23,6 +23,7 @@ __all__ = [
     "crosses",
     "is_onto",
     "joined",
+    "jump_over",
     "jumps_over",
     "kind_of_excursion",
     "kind_of_leg",
@@ -76,12 +77,18 @@ def with_jump(wiring: Wiring, mode: int, path: Path) -> Path:
     """The path behind an impact: it jumps over a surface that holds, which was crossed before."""
     if len(path) < 2 or int(wiring.exits["onto"][mode, path[0]]) != path[0]:
         return path
-    beyond = modes_along(wiring, mode, path)[2]
-    for e in range(int(wiring.modes["n_exits"][mode]), int(wiring.modes["n_ways"][mode])):
-        onto, target = (int(wiring.exits[name][mode, e]) for name in ("onto", "target"))
-        if onto == path[0] and target == beyond:
-            return (e, *path[2:])
+    beyond, jump = modes_along(wiring, mode, path)[2], jump_over(wiring, mode, path[0])
+    if jump >= 0 and int(wiring.exits["target"][mode, jump]) == beyond:
+        return (jump, *path[2:])
     return path
+
+
+def jump_over(wiring: Wiring, mode: int, g: int) -> int:
+    """The exit by which an impact jumps over the surface of guard g if that holds; else -1."""
+    for e in range(int(wiring.modes["n_exits"][mode]), int(wiring.modes["n_ways"][mode])):
+        if int(wiring.exits["onto"][mode, e]) == g == int(wiring.exits["onto"][mode, g]):
+            return e
+    return -1
 
 
 def without_jump(wiring: Wiring, mode: int, path: Path) -> Path:
@@ -125,8 +132,15 @@ def joined(
 ) -> tuple[int, ...]:
     """Path by which the engine passes at one instant what were two events.
 
-    Onto a surface and off it beyond is through it; through it, back and onto it is onto it.
+    Onto a surface and off it beyond is through it; through it, back and onto it is onto it; over it
+    and back through it is not to come to it.
     """
+    over = modes_along(wiring, mode, first)
+    if first and jumps_over(wiring, over[-2], first[-1]):
+        back = modes_along(wiring, over[-1], second)
+        quiet = not any(wiring.resets(m, e) for m, e in zip(back, second, strict=False))
+        if quiet and back[-1] == over[-2]:
+            return first[:-1]
     path = first + second
     modes = modes_along(wiring, mode, path)
     for j, e in enumerate(path):

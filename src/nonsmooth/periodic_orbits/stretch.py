@@ -16,9 +16,10 @@ from nonsmooth.periodic_orbits.branch_tests import (
     Looked,
     is_of_word,
     largest_along,
+    states_along,
     what_of,
 )
-from nonsmooth.periodic_orbits.cycle_plane import size_of_cycle, spread_of_cycle
+from nonsmooth.periodic_orbits.cycle_plane import spread_of, spread_of_cycle
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
@@ -26,12 +27,11 @@ from nonsmooth.periodic_orbits.trail import Trail
 from nonsmooth.system.model.value_checks import first_unmet
 from nonsmooth.system.system import System
 
-__all__ = ["BranchOptions", "BranchStart", "BranchStretch", "scale_along"]
+__all__ = ["BranchOptions", "BranchStart", "BranchStretch", "scale_along", "spread_along"]
 
 Floats = npt.NDArray[np.float64]
 
 _OUTGROWN = 2.0  # times the size at the start of a stretch
-_NOTHING = 1e-5  # of the size of the first orbit
 _ALWAYS = ("leg", "short")  # changes of the word behind which its equations mean nothing
 
 
@@ -55,7 +55,11 @@ class BranchOptions:
 
 @dataclass
 class BranchStart:
-    """Where a stretch begins; ``grows`` is the test that is zero there."""
+    """Where a stretch begins; ``grows`` is the test that is zero there.
+
+    ``way`` is the sign of the parameter along the first orbits, 0 where they were not tried. The
+    direction does not tell it where the parameter changes with the square of what grows.
+    """
 
     equations: OrbitEquations
     unknowns: Floats
@@ -65,6 +69,7 @@ class BranchStart:
     kind: str = ""
     detail: str = ""
     located: bool = False  # whether the change itself is located behind the start
+    way: float = 0.0
 
 
 class BranchStretch:
@@ -135,11 +140,6 @@ class BranchStretch:
         )
         return scale
 
-    def is_nothing_beside(self, unknowns: Floats, size: float) -> bool:
-        """Whether a cycle without events has shrunk to next to nothing."""
-        smooth = self.equations.is_smooth_cycle
-        return smooth and size_of_cycle(self.equations, unknowns) <= _NOTHING * size
-
     def branch(
         self, start: BranchStart, steps: int, accept: Callable[[Sequence[Point]], bool]
     ) -> Branch:
@@ -170,3 +170,10 @@ def scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:
     n_states = count * equations.legs.n
     scale[:n_states] = np.maximum(scale[:n_states], np.tile(size, count))
     return scale
+
+
+def spread_along(equations: OrbitEquations, unknowns: Floats) -> Floats:
+    """By how much each state varies along an orbit, wherever its middle is; (n,), positive."""
+    if equations.is_smooth_cycle:
+        return spread_of_cycle(equations, unknowns)
+    return spread_of(states_along(equations, equations.unpack(unknowns)))

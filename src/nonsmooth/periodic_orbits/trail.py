@@ -50,6 +50,18 @@ class Trail:
             self._steps.setdefault(word, []).append(_Step(self._last[1], there, sizes))
         self._last = word, there
 
+    def way(self, word: Word) -> float:
+        """Sign of the change of the parameter along the last steps of a word; 0 if there is none.
+
+        A few steps back, where it is more than rounding.
+        """
+        steps = self._steps.get(word, [])
+        for step in reversed(steps):
+            change = float(steps[-1].end[-1] - step.begin[-1])
+            if abs(change) > _ROUNDING * step.scale[-1]:
+                return float(np.sign(change))
+        return 0.0
+
     def leads_back(self, word: Word, points: list[Point]) -> bool:
         """Whether new points of a word lead along a step that was taken, against its direction."""
         there = [np.append(point.u, point.p) for point in points]

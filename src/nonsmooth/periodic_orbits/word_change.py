@@ -18,7 +18,7 @@ the parameter being free.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,7 @@ from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.onto import (
     is_onto,
     joined,
+    jump_over,
     kind_of_excursion,
     kind_of_leg,
     modes_along,
@@ -38,6 +39,7 @@ from nonsmooth.periodic_orbits.onto import (
     with_jump,
     without_jump,
 )
+from nonsmooth.periodic_orbits.wall_at_surface import surface_before_wall, wall_before_surface
 from nonsmooth.periodic_orbits.word import Word, shortest_paths
 
 __all__ = ["Change", "changes_at_once", "changes_of_word", "vanishing_leg"]
@@ -142,11 +144,16 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
     if kind == "leg":
         before = (k - 1) % len(equations.word)
         too_long = len(equations.word.paths[before] + equations.word.paths[k]) > PATH_LENGTH
-        return [] if too_long else [_without_leg(equations, turn, k)]
+        first = [] if too_long else [_without_leg(equations, turn, k)]
+        return first + _at_walls(wall_before_surface(equations, turn, k))
     if kind == "gain":
         return [_with_leg_of_path(equations, turn, k, int(numbers[1]))]
+    if kind == "over":
+        return _over_surface(equations, turn, k, int(numbers[1]))
     if kind == "short":
-        return _without_excursion(equations, turn, k)
+        return _without_excursion(equations, turn, k) + _at_walls(
+            wall_before_surface(equations, turn, k)
+        )
     if kind == "rate":
         return _without_event(equations, turn, k)
     if kind == "corner":
@@ -216,6 +223,9 @@ def _without_leg(equations: OrbitEquations, turn: Turn, k: int) -> Change:
     place = before if before < k else before - 1
     kind = kind_of_leg(wiring, mode, word.paths[before], word.modes[k], word.paths[k])
     grows = f"gain:{place}:{len(word.paths[before])}"
+    if len(paths[before]) < len(word.paths[before]):  # the leg was beyond a surface, and is not
+        jumped = modes_along(wiring, mode, paths[before])[-1], word.paths[before][-1]
+        grows = f"over:{place}:{int(wiring.exits['onto'][jumped])}"
     if kind == "crossing_sliding" and len(paths[before]) == 1:
         grows = f"slide:{place}"
     elif kind == "switching_sliding":
@@ -243,6 +253,22 @@ def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> 
     return Change(kind or "gained", guess, f"{test}:{k + 1}")
 
 
+def _over_surface(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
+    """The impact that ends leg k throws the motion over the surface of guard g, and it comes back.
+
+    The surface holds nothing of it, or the motion would stay on it.
+    """
+    word, wiring = equations.word, equations.legs.tables.wiring
+    mode = word.last_target(wiring, k)
+    jump = jump_over(wiring, mode, g)
+    away = int(wiring.exits["target"][mode, jump])
+    path = (*word.paths[k], jump)
+    return [
+        Change("gained", _with_leg(equations, turn, k, path, away, back), f"leg:{k + 1}")
+        for back in shortest_paths(wiring, away, mode)
+    ]
+
+
 def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
     """Leg k leaves a mode and comes back at once: the legs around it are one."""
     path = path_at_corner(equations.word, equations.legs.tables.wiring, k)
@@ -250,10 +276,10 @@ def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Ch
         return [_past_corner(equations, turn, k, path)]
     if k == 0 and not equations.word.closes_at_event:
         return _without_first_and_last(equations, turn)
+    if len(equations.word) == 2 and equations.word.closes_at_event:
+        return [_without_events(equations, turn, 1 - k)]
     word, turn, k = _away_from_ends(equations, turn, k)
     count = len(word)
-    if count == 2 and word.closes_at_event:
-        return [_without_events(equations, turn, k)]
     if not 0 < k < count - 1:
         return []
     modes = word.modes[:k] + word.modes[k + 2 :]
@@ -281,19 +307,18 @@ def _past_corner(
     return Change("corner", Guess(new, Turn(turn.states[keep], instants)), grows)
 
 
-def _without_events(equations: OrbitEquations, turn: Turn, k: int) -> Change:
-    """A cycle of two legs without leg k passes no event any more.
+def _without_events(equations: OrbitEquations, turn: Turn, stays: int) -> Change:
+    """A cycle of which one leg stays passes no event any more.
 
-    It begins half way along the other leg, so that the guard is touched within the turn.
+    It begins half way along that leg, so that the guard is touched within the turn.
     """
     word, legs = equations.word, equations.legs
-    stays = 1 - k
     new = Word((word.modes[stays],), ((),))
     begin, half = turn.instants[stays], 0.5 * float(turn.durations[stays])
     found = legs.follow_each(
         new, turn.states[stays : stays + 1], np.array([begin]), np.array([begin + half])
     )
-    kind = kind_of_excursion(legs.tables.wiring, word.modes[stays], word.modes[k])
+    kind = kind_of_excursion(legs.tables.wiring, word.modes[stays], word.modes[stays - 1])
     instants = np.array([0.0, float(turn.durations.sum())])
     guess = Guess(new, Turn(found.ends.copy(), instants))
     return Change(kind, guess, f"graze:0:{word.paths[stays][0]}")
@@ -314,16 +339,19 @@ def _without_first_and_last(equations: OrbitEquations, turn: Turn) -> list[Chang
 
 
 def _away_from_ends(equations: OrbitEquations, turn: Turn, k: int) -> tuple[Word, Turn, int]:
-    """The same turn begun at another event, so that leg k has one before and one behind it."""
+    """The same turn begun at another event, so that leg k has one behind it, and one before.
+
+    Of two legs it is the first one.
+    """
     word, count = equations.word, len(equations.word)
-    if not word.closes_at_event or 0 < k < count - 1 or count < 3:
+    if not word.closes_at_event or 0 < k < count - 1 or count < 2:
         return word, turn, k
-    shift = k - 1
+    shift = k - 1 if count > 2 else k
     order = [(i + shift) % count for i in range(count)]
     new = Word(tuple(word.modes[i] for i in order), tuple(word.paths[i] for i in order))
     durations = turn.durations[order]
     instants = np.concatenate([[0.0], np.cumsum(durations)])
-    return new, Turn(turn.states[order], instants), 1
+    return new, Turn(turn.states[order], instants), k - shift
 
 
 def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
@@ -342,8 +370,9 @@ def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change
             return []
         new = Word(word.modes, (*word.paths[:k], rest, *word.paths[k + 1 :]))
         return [Change("grazing", Guess(new, turn), f"corner:{k}:{path[0]}")]
-    if len(word) < 2 or k == len(word) - 1:
-        return []
+    if len(word) == 1:
+        return [_without_events(equations, turn, k)]
+    word, turn, k = _away_from_ends(equations, turn, k)
     modes = word.modes[: k + 1] + word.modes[k + 2 :]
     paths = word.paths[:k] + word.paths[k + 1 :]
     states = np.delete(turn.states, k + 1, axis=0)
@@ -359,11 +388,17 @@ def _with_event_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> 
     path = (g, *with_jump(wiring, mode, word.paths[k]))
     leads_back = int(wiring.exits["target"][mode, g]) == mode
     if not leads_back:
-        return _around_corner(equations, turn, k, g)
+        around = _around_corner(equations, turn, k, g)
+        return around or _at_walls(surface_before_wall(equations, turn, k, g))
     if len(path) > PATH_LENGTH:
         return []
     new = Word(word.modes, (*word.paths[:k], path, *word.paths[k + 1 :]))
     return [Change("grazing", Guess(new, turn), f"rate:{k}")]
+
+
+def _at_walls(found: list[tuple[Guess, str]]) -> list[Change]:
+    """Changes at which a wall is met just where motion leaves a surface or comes onto it."""
+    return [Change("corner", guess, grows) for guess, grows in found]
 
 
 def _around_corner(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
@@ -416,13 +451,32 @@ def _with_excursion(equations: OrbitEquations, turn: Turn, k: int, g: int) -> li
             states = np.insert(turn.states, k + 1, behind, axis=0)
             instants = np.insert(turn.instants, k + 1, instant)
             new = Guess(Word(modes, paths), Turn(states, instants))
-            return [Change("grazing", new, f"rate:{k}")]
+            return [_begun_at_event(equations, Change("grazing", new, f"rate:{k}"))]
         away = modes_along(wiring, mode, path)[-1]
         changes += [
             _opened(equations, turn, k, instant, (path, away, back), (behind, ends))
             for back in shortest_paths(wiring, away, mode)
         ]
-    return changes
+    return [_begun_at_event(equations, change) for change in changes]
+
+
+def _begun_at_event(equations: OrbitEquations, change: Change) -> Change:
+    """A cycle that passed no event, and passes some now: it begins at the first one of them.
+
+    What comes before that goes on where the turn ends.
+    """
+    if not equations.is_smooth_cycle:
+        return change
+    word, turn = change.guess
+    count = len(word) - 1
+    new = Word(word.modes[1:], (*word.paths[1:-1], word.paths[0]))
+    instants = turn.instants[1:] - turn.instants[1]
+    instants[-1] += turn.durations[0]
+    grows = f"rate:{count - 1}" if change.grows else ""  # it ends the leg that began at the plane
+    opens = change.opens - 1 if change.opens >= 0 else -1
+    return replace(
+        change, guess=Guess(new, Turn(turn.states[1:], instants)), grows=grows, opens=opens
+    )
 
 
 def _opened(

@@ -1,0 +1,113 @@
+"""Where a cycle without events shrinks to a point: when it is next to nothing, and the point.
+
+A cycle of spread a around a state c is known to rounding of c, which is eps c/a of it, while the
+parameter is a**2 away from its end: so where a**3 comes down to rounding of c, the parameter of a
+cycle is noise. The branch leaves its cycles before that. The end itself is found from the rest in
+the middle of them, as the parameter at which perturbations of the rest neither grow nor decay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.continuation.point import Point
+from nonsmooth.periodic_orbits.cycle_plane import spread_of_cycle, states_of_cycle
+from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.legs import LegError
+from nonsmooth.periodic_orbits.word import Word
+
+__all__ = ["end_of_cycles", "is_nothing"]
+
+Floats = npt.NDArray[np.float64]
+
+_NOTHING = 1e-5  # of the spread of the first orbit
+_ROUNDINGS = 1e3 * float(np.finfo(float).eps)  # of a cycle, beside the states along it
+_PART = 0.25  # of a turn, over which perturbations of the rest are followed
+_NEWTON = 20
+_SETTLED = 1e-14  # step beside the rest, or the range of the parameter: no further ones
+_ASIDE = 1e-6  # of the range of the parameter, to begin with
+_FAR = 1e-3  # of the range of the parameter: farther away it is not the end of these cycles
+
+
+def is_nothing(equations: OrbitEquations, unknowns: Floats, first: Floats) -> bool:
+    """Whether a cycle without events has shrunk to next to nothing beside the first orbit.
+
+    ``first`` is the spread of each state of that, (n,).
+    """
+    if not equations.is_smooth_cycle:
+        return False
+    states = states_of_cycle(equations, unknowns)
+    share = float((spread_of_cycle(equations, unknowns) / first).max())
+    rounding = _ROUNDINGS * float((np.abs(states).max(axis=0) / first).max())
+    return share <= _NOTHING or share**3 <= rounding
+
+
+def end_of_cycles(
+    equations: OrbitEquations, last: Point, set_parameter: Callable[[float], None],
+    bounds: tuple[float, float],
+) -> Point | None:  # fmt: skip
+    """The rest to which cycles shrink, as an orbit, from the last one of them; None if not found.
+
+    Newton's method gives the rest for each parameter, and the secant method the parameter at which
+    the multipliers of the flow from it have the modulus one.
+    """
+    n, width = equations.legs.n, bounds[1] - bounds[0]
+    stays = ~equations.drifting
+    set_parameter(last.p)
+    state = states_of_cycle(equations, last.u).mean(axis=0)
+    state[~stays] = last.u[:n][~stays]
+    span = _PART * float(last.u[n])
+    angle = 2.0 * np.pi * _PART
+
+    def growth(p: float) -> tuple[float, float, Floats]:
+        """Growth and turn of perturbations over the span, and the rest."""
+        set_parameter(p)
+        rest, flow = _rest(equations, state, span)
+        values = np.linalg.eigvals(flow[np.ix_(stays, stays)])
+        logs = np.log(values[values != 0.0].astype(complex))
+        one = logs[np.argmin(np.abs(logs - 1j * angle))]
+        return float(one.real), float(one.imag), rest
+
+    try:
+        before, p = last.p, last.p + _ASIDE * width
+        old = growth(before)[0]
+        for _ in range(_NEWTON):
+            new, turned, rest = growth(p)
+            if new == old:
+                break
+            step = -new * (p - before) / (new - old)
+            if not abs(p + step - last.p) <= _FAR * width:
+                return None
+            before, old, p = p, new, p + step
+            if abs(step) <= _SETTLED * width:
+                break
+        else:
+            return None
+        turned, rest = growth(p)[1:]
+        length = span * 2.0 * np.pi / turned
+    except (LegError, np.linalg.LinAlgError, ValueError, ZeroDivisionError):
+        return None
+    if not abs(length - last.u[n]) <= _FAR * last.u[n]:
+        return None
+    return replace(last, u=np.append(rest, length), p=p)
+
+
+def _rest(equations: OrbitEquations, state: Floats, span: float) -> tuple[Floats, Floats]:
+    """The state that rests, and derivatives of the state a span later by it, (n, n)."""
+    legs, n, stays = equations.legs, equations.legs.n, ~equations.drifting
+    word = Word(equations.word.modes[:1], ((),))
+    size = float(np.abs(state[stays]).max(initial=0.0))
+    for _ in range(_NEWTON):
+        found = legs.follow_each(word, state[None], np.zeros(1), np.array([span]))
+        flow = found.flow[0, :n].T.copy()
+        gap = (found.ends[0] - state)[stays]
+        move = np.linalg.solve(flow[np.ix_(stays, stays)] - np.eye(len(gap)), -gap)
+        if not np.abs(move).max() > _SETTLED * size:
+            return state, flow
+        state = state.copy()
+        state[stays] += move
+    raise LegError("no state rests there")
