@@ -302,8 +302,15 @@ def test_an_event_passes_the_section_along_a_curve(drill):
         assert run["end_state"].values == pytest.approx(start, abs=1e-9)
 
 
-def test_a_curve_ends_where_only_the_motion_tells_of_a_change(drill):
+def test_a_flip_curve_goes_on_where_an_impact_throws_onto_a_surface(drill):
+    """All orbits are motions on both sides; the flip of a branch beyond lies on the curve."""
     curve = ns.continue_special(drill, number_of(drill, "flip"), "r", (0.7, 0.95))
-    assert "word_change_flip" in {curve.attrs["end_first"], curve.attrs["end_last"]}
-    with pytest.raises(ns.OptionError, match="word_change_flip point, from which no curve"):
-        ns.continue_special(curve, number_of(curve, "word_change_flip"), "r", (0.7, 0.95))
+    assert len(found_on(curve)["gained_flip"]) == 1
+    assert bool(curve["admissible"].all())
+    assert np.abs(curve["multipliers"].values + 1.0).min(axis=1).max() < 1e-7
+    beyond = curve.isel(point=int(np.argmin(np.abs(curve["r"].values - 0.92))))
+    system = ns.System.from_toml(curve.attrs["system"]).with_parameters(r=float(beyond["r"]))
+    w = float(beyond["w"])
+    branch = ns.continue_orbit(system, "w", (w - 0.02, w + 0.02), initial=beyond,
+                               parameters={"w": w - 1e-3})  # fmt: skip
+    assert float(branch["special_value"][number_of(branch, "flip")]) == pytest.approx(w, rel=1e-8)

@@ -391,7 +391,7 @@ def _grows(equations: OrbitEquations, solution: Solution) -> str:
         grows = equations.steady_growth(solution.unknowns)
     except LegError:
         return ""
-    if not grows:
+    if not grows or len(grows) == equations.legs.n:  # all of them do in a resonance
         return ""
     told = " and ".join(f"{name} changes by {by:.6g}" for name, by in grows.items())
     names = ", ".join(f'"{name}"' for name in grows)
