@@ -376,3 +376,22 @@ def test_the_line_is_broken_where_an_impact_passes_the_section():
         steps = np.abs(np.diff(drawn))
         assert np.nanmax(steps) < 0.1  # no line leads over the jump of 1.8
         assert np.isnan(drawn[:-1]).any() == jump
+
+
+def test_marks_of_three_kinds_in_one_place_are_all_seen():
+    """Many grazes beside a fold and a flip: each kind is smaller than those below, and no dot."""
+    kinds = ["fold", "flip", *["grazing"] * 6]
+    branch = xr.Dataset(
+        {
+            "p": ("point", [0.0, 1.0, 2.0]),
+            "x": ("point", [0.0, 1.0, 2.0]),
+            "stable": ("point", [True, True, True]),
+            "special_kind": ("special", kinds),
+            "special_value": ("special", 0.5 + 1e-5 * np.arange(8)),
+            "special_point": ("special", np.zeros(8, int)),
+        },
+        attrs={"parameter": "p"},
+    )
+    ax = ns.plot.branch(branch, "x")
+    sizes = {line.get_label(): line.get_markersize() for line in ax.lines if line.get_gid()}
+    assert sizes["fold"] > sizes["flip"] > sizes["grazing"] > 4 * 0.6  # and more than its edges

@@ -129,7 +129,8 @@ def _diagram_report(result: xr.Dataset) -> Report:
     report.add("motions", ", ".join(texts or ["none settled"]), **motions)
     certified_runs(report, result)
     _, _, doubt = attrs["message"].partition("; ")
-    if others and doubt:
+    # of an interrupted diagram the whole message is told at the end
+    if others and doubt and attrs["status"] != "interrupted":
         report.add("message", doubt)
     return report
 

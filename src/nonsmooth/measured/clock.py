@@ -15,7 +15,15 @@ from nonsmooth.measured.csv_text import Table, cells_of
 from nonsmooth.runs.options import finite_number
 
 __all__ = [
-    "FEWEST", "GAP", "Clock", "FilePlaces", "Places", "check_finite", "clock_of", "numbers",
+    "FEWEST",
+    "GAP",
+    "Clock",
+    "FilePlaces",
+    "Places",
+    "check_finite",
+    "clock_of",
+    "lost_samples",
+    "numbers",
     "usual_step",
 ]  # fmt: skip
 
@@ -23,7 +31,11 @@ Floats = npt.NDArray[np.float64]
 
 _LARGEST = 1e30  # a reading; codes for none are often larger still
 FEWEST = 16  # samples
+_ROUNDING = 1e-6  # of a step, that means over many times are off
 _OFF = 0.1  # of a step, a time may be off the even grid
+_BESIDE = 32  # samples on each side of a long step that say how many are lost
+_CERTAIN = 4.0  # usual steps that no jitter makes
+_LAG = 64  # samples between which steps are looked at, so that jitter counts little
 GAP = 1.5  # usual steps are no gap yet
 
 
@@ -202,12 +214,36 @@ def usual_step(times: Floats) -> float:
     if middle <= 0.0:
         return float(middle)
     rough = float(steps[(steps >= low) & (steps <= high)].mean())
-    part = np.concatenate([[0], np.cumsum((steps > GAP * rough) | (steps <= 0.0))])
+    lag = min(_LAG, times.size // 4)
+    over = float(np.median(times[lag:] - times[:-lag])) / lag if lag else rough
+    # a lag that gaps lengthen tells nothing
+    rough = over if 0.0 < over < GAP * rough else rough
+    apart = (lost_samples(times, rough) > 0) | (steps <= 0.0)
+    part = np.concatenate([[0], np.cumsum(apart)])
     number = np.arange(times.size, dtype=float)
     size = np.bincount(part)
     from_mean = [v - (np.bincount(part, v) / size)[part] for v in (number, times - times[0])]
     square = float(from_mean[0] @ from_mean[0])
     return float(from_mean[0] @ from_mean[1]) / square if square > 0.0 else rough
+
+
+def lost_samples(times: Floats, usual: float) -> npt.NDArray[np.int64]:
+    """Samples that are lost in each step.
+
+    Of a step of a few usual ones they are those by which times behind it stay late: by the
+    median over the times on each side, up to the next step that is certain.
+    """
+    steps = np.diff(times) / usual
+    certain = steps > _CERTAIN
+    found = np.where(certain, np.round(steps) - 1.0, 0.0).astype(np.int64)
+    parts = np.concatenate([[0], np.flatnonzero(certain) + 1, [times.size]])
+    late = times / usual - np.arange(times.size)
+    for k in np.flatnonzero((steps > GAP) & ~certain):
+        part = int(np.searchsorted(parts, k, side="right"))
+        before = late[max(k + 1 - _BESIDE, parts[part - 1]) : k + 1]
+        behind = late[k + 1 : min(k + 1 + _BESIDE, parts[part])]
+        found[k] = max(round(float(np.median(behind) - np.median(before))), 0)
+    return found
 
 
 def _even_grid(times: Floats, first: int, places: Places) -> tuple[float, float, float]:
@@ -226,6 +262,8 @@ def _even_grid(times: Floats, first: int, places: Places) -> tuple[float, float,
     number = np.arange(times.size) - 0.5 * (times.size - 1)
     step = float(number @ (times - times.mean()) / (number @ number))
     start = float(times.mean() + step * number[0])
+    if abs(start - times[0]) <= _ROUNDING * step:
+        start = float(times[0])  # so that a record from 0 on begins there
     away = np.abs(times - (start + step * np.arange(times.size))) / step
     if away.max() > _OFF:
         k = int(np.argmax(steps))

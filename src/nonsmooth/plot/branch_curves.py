@@ -72,6 +72,7 @@ _NO_MOTION, _PALE = ", inadmissible", "0.85"
 _SIZE, _LEAST = 4.5, 2.8  # diameters of marks in points; where they are crowded
 _ARMS, _LINE = 1.8, 1.3  # size of marks that are mere lines, over that of others
 _NESTED = 0.65  # size of a mark over that of the one below it
+_DEEPEST = 2  # marks below one that make all larger
 _SAME = 1e-9  # part of the way between two points within which a special point is one of them
 
 STABLE, UNSTABLE, SPECIAL, INADMISSIBLE = 0, 1, 2, 3
@@ -151,6 +152,8 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
     ax.autoscale_view()
     size = uncrowded(ax, x, y, _SIZE, _LEAST)
     below = depths(ax, x, y, kinds)
+    # the smallest of marks in one place still shows its colour within its edge
+    size = max(size, _LEAST * _NESTED ** -float(min(below.max(initial=0), _DEEPEST)))
     for kind in dict.fromkeys(kinds):
         here = np.array([name == kind for name in kinds], bool)
         smaller = _NESTED ** int(below[here].max())  # so that those below look out

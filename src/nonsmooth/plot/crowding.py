@@ -33,12 +33,18 @@ def uncrowded(ax: Axes, x: Floats, y: Floats, size: float, least: float) -> floa
 
 
 def depths(ax: Axes, x: Floats, y: Floats, kinds: list[str]) -> npt.NDArray[np.int64]:
-    """How many earlier marks of other kinds are in the place of each one."""
+    """How many other kinds have earlier marks in the place of each one.
+
+    Of one kind many may lie there, and they hide nothing but each other.
+    """
     across, up = _places(ax, x, y, most=x.size)
     apart = np.hypot(across[:, None] - across, up[:, None] - up)
     kind = np.array(kinds, dtype=str)
-    others = (apart < _SAME) & (kind[:, None] != kind)
-    return np.count_nonzero(np.tril(others, -1), axis=1)
+    there = np.tril((apart < _SAME) & (kind[:, None] != kind), -1)
+    found = np.zeros(kind.size, np.int64)
+    for one in np.unique(kind):
+        found += there[:, kind == one].any(axis=1)
+    return found
 
 
 def _places(ax: Axes, x: Floats, y: Floats, most: int = _MOST) -> tuple[Floats, Floats]:

@@ -24,6 +24,7 @@ Floats = npt.NDArray[np.float64]
 _LOOKS: dict[str, dict[str, Any]] = {"stable": LINES[0], "unstable": {**LINES[1], "linestyle": "-"}}
 _APART = ("jump", "end", "unresolved")  # borders over which no line is drawn
 _MARKS = {"corner": "o", "jump": "s", "end": "|", "unresolved": "x"}
+_NAMES = {"corner": "corners", "jump": "jumps", "end": "ends", "unresolved": "unresolved borders"}
 _MARK = 3.2  # points
 
 
@@ -135,5 +136,5 @@ def _mark_borders(ax: Axes, data: xr.Dataset, across: str, up: str) -> None:
             ax.plot(
                 data[across].values[points], data[up].values[points], linestyle="none",
                 marker=marker, markersize=_MARK, markerfacecolor="none",
-                markeredgecolor=look["color"], markeredgewidth=0.7, label=f"{kind}s", zorder=4,
+                markeredgecolor=look["color"], markeredgewidth=0.7, label=_NAMES[kind], zorder=4,
             )  # fmt: skip

@@ -85,6 +85,11 @@ def test_a_motion_that_rests_is_not_frozen():
     assert kinds(found) == ["frozen"] and "noise hardly shows" in found["sentence"].item()
 
 
+def test_a_channel_that_is_dead_from_the_start_begins_at_zero():
+    record = ns.measured.from_arrays({"x": np.zeros(6000)}, times=np.arange(6000) / 1000)
+    assert ns.measured.check(record)["begin"].item() == 0.0
+
+
 def test_a_constant_channel_is_told_and_no_flaw():
     found = check(np.full(COUNT, 0.25))
     assert kinds(found) == ["constant"] and not found["doubtful"].item()
@@ -130,6 +135,25 @@ def test_spikes():
     assert set(told) <= set(at) and told.size >= 28
     sizes = found["size"].values
     assert np.abs(np.abs(sizes) - 20 * NOISE).max() < 6 * NOISE
+
+
+@pytest.mark.parametrize("at", [*range(8), *range(-8, 0)])
+def test_spikes_at_the_ends(at):
+    x = motion(seed=8)
+    x[at] += 10.0  # of a motion that is 2.2 wide
+    found = check(x)
+    assert kinds(found) == ["spike"] and flags(found, 8).tolist() == [at % COUNT]
+    assert found["size"].item() == pytest.approx(10.0, abs=0.1)  # 20 deviations of the noise
+
+
+def test_clean_ends_are_no_spikes():
+    """Records of 40 samples, that have hardly anything but ends; allowed are 0.2 in 1000."""
+    rng, t = np.random.default_rng(9), np.arange(40) / RATE
+    found = 0
+    for phase in rng.uniform(0, 2 * np.pi, 500):
+        x = np.cos(2 * np.pi * SPEED * t + phase) + rng.normal(0, NOISE, t.size)
+        found += kinds(check(x)).count("spike")
+    assert found <= 2
 
 
 def test_an_amplitude_that_spikes_change():
@@ -207,6 +231,21 @@ def test_missing_samples_gaps_and_uneven_times():
     shaken = times() + np.random.default_rng(0).uniform(-0.3, 0.3, COUNT) / RATE
     record = ns.measured.from_arrays({"x": motion()}, times=shaken, bad_samples="keep")
     assert "uneven" in kinds(ns.measured.check(record, leave_out="spike"))
+
+
+@pytest.mark.parametrize("jitter", [0.15, 0.2, 0.3])
+def test_times_that_jitter_have_no_gap(jitter):
+    t = np.sort(times() + np.random.default_rng(2).normal(0, jitter / RATE, COUNT))
+    record = ns.measured.from_arrays({"x": motion()}, times=t, bad_samples="keep")
+    assert kinds(ns.measured.check(record, leave_out="spike")) == ["uneven"]
+    # where one sample and where twenty are lost they are told, beside the jitter
+    for lost in (1, 20):
+        t, x = (np.delete(each, slice(3000, 3000 + lost)) for each in (times(), motion()))
+        t = np.sort(t + np.random.default_rng(3).normal(0, 0.1 / RATE, t.size))
+        record = ns.measured.from_arrays({"x": x}, times=t, bad_samples="keep")
+        found = ns.measured.check(record, leave_out="spike")
+        gaps = found.isel(finding=found["kind"].values == "gap")
+        assert gaps["n_samples"].values.tolist() == [lost]
 
 
 @pytest.mark.parametrize(("rate", "decimals"), [(3000.0, 5), (7000.0, 5), (6400.0, 6), (1500.0, 5)])

@@ -125,6 +125,9 @@ def test_keys_below_a_table_belong_to_the_table():
     assert "'period' stands in the table [parameters]" in refused(moved)
     moved = changed('states = ["x", "v"]\n', "") + '\n[outputs]\nstates = ["x"]\n'
     assert "'states' stands in the table [outputs]" in refused(moved)
+    swallowed = 'states = ["x"]\n[{}]\nx = "-x"\nperiod = "2*pi"\n'
+    for table in ("equations", "modes.free.flow"):
+        assert f"'period' stands in the table [{table}]" in refused(swallowed.format(table))
     fine = changed("w = 2.8", "w = 2.8\nname = 3")
     assert System.from_toml(fine).parameter_values == {"w": 2.8, "name": 3.0}
 

@@ -20,11 +20,19 @@ _RAYS = np.linspace(-0.5, 0.5, 33)  # angles from the heading
 _BEFORE = 20.0  # of the smallest step: where rays begin
 _HALVINGS = 60
 _ROUNDS = 12  # each of which leaves a 32th of the angle
+_TURN = 1e-3  # of a ray, between whose ends the edge is as good as straight
+_REACH = 20.0  # times the extent of the curve: how far along the edge a start is looked for
+_ALONG = 128  # places along the edge on each side
+_DEPTH = 0.05  # of the distance along the edge, by which it may bend away from its tangent
 _SAME = 1e-6  # of the largest step: images before and behind a reset
 
 
 class EdgePoint(NamedTuple):
-    """A point of the manifold at the edge, and the one to which a start there is reset."""
+    """A point of the manifold at the edge, and the one behind the reset there.
+
+    A start at the edge that moves outward is reset to the one behind; if it moves inward, a start
+    at the one behind is reset to it.
+    """
 
     edge: Floats
     behind: Floats
@@ -65,7 +73,12 @@ def edge_point(here: LocalMap, known: KnownCurve, spacing: Spacing) -> EdgePoint
     edge = ends[:1]
     behind = here.reset_at_start(edge)
     if not np.isfinite(behind).all():
-        return None
+        sides = angles[0] + np.array([-_TURN, _TURN])
+        near = _ends(here, base, np.column_stack([np.cos(sides), np.sin(sides)]), far)
+        found = None if near is None else _reset_to(here, edge[0], base, near, known, spacing)
+        if found is None:
+            return None
+        behind = found[None]
     images = here.after(np.vstack([edge, behind]))
     apart = float(np.linalg.norm(images[1] - images[0]))
     if not apart <= _SAME * spacing.largest:
@@ -74,10 +87,54 @@ def edge_point(here: LocalMap, known: KnownCurve, spacing: Spacing) -> EdgePoint
     return EdgePoint(edge[0], behind[0], float(image[0]))
 
 
-def _ends(here: LocalMap, origin: Floats, ways: Floats, far: float) -> Floats | None:
+def _reset_to(
+    here: LocalMap,
+    edge: Floats,
+    inside: Floats,
+    near: Floats,
+    known: KnownCurve,
+    spacing: Spacing,
+) -> Floats | None:
+    """The start at the edge that is reset to one of its points; None where there is none.
+
+    It is looked for along the tangent of the edge, through two points ``near``, and put onto the
+    edge by rays from the inside; resets that keep the edge move a start along it.
+    """
+    tangent = (near[1] - near[0]) / np.linalg.norm(near[1] - near[0])
+    inward = np.array([-tangent[1], tangent[0]])
+    inward *= np.sign(inward @ (inside - edge))
+    frame = here.coordinates
+    extent = np.abs(known.points).max()
+    extent += np.abs(frame.origin[frame.active] / frame.scales).max()
+    sizes = np.geomspace(_BEFORE * spacing.smallest, _REACH * extent, _ALONG)
+    at = np.concatenate([-sizes[::-1], sizes])
+    begun: Floats | None = None
+    for _ in range(_ROUNDS):
+        depth = np.maximum(_DEPTH * np.abs(at), _BEFORE * spacing.smallest)
+        begin = edge + at[:, None] * tangent + depth[:, None] * inward
+        ends = _ends(here, begin, np.broadcast_to(-inward, begin.shape), 2.0 * depth)
+        if ends is None:
+            return None
+        misses = (here.reset_at_start(ends) - edge) @ tangent
+        with np.errstate(invalid="ignore"):
+            changes = np.flatnonzero(misses[1:] * misses[:-1] <= 0.0)
+        if not changes.size:
+            return None
+        k = int(changes[np.argmin(np.abs(at[changes]))])
+        begun = ends[k : k + 1]
+        if abs(misses[k]) <= _SAME * _SAME * spacing.largest:
+            break
+        at = np.linspace(at[k], at[k + 1], _RAYS.size)
+    if begun is None:
+        return None
+    close = np.linalg.norm(here.reset_at_start(begun)[0] - edge) <= _SAME * spacing.largest
+    return np.asarray(begun[0]) if close else None
+
+
+def _ends(here: LocalMap, origin: Floats, ways: Floats, far: float | Floats) -> Floats | None:
     """Last points on rays that have an image; None where a ray does not leave the states."""
-    low, high = np.zeros(len(ways)), np.full(len(ways), far)
-    if np.isfinite(here.after(origin + far * ways)).any():
+    low, high = np.zeros(len(ways)), np.broadcast_to(far, len(ways)).astype(float)
+    if np.isfinite(here.after(origin + high[:, None] * ways)).any():
         return None
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)

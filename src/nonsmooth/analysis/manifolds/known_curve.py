@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.manifolds.local_map import LocalMap
 
-__all__ = ["KnownCurve", "left_of"]
+__all__ = ["KnownCurve", "bent", "left_of"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -24,6 +25,29 @@ def left_of(along: Floats) -> Floats:
     """Unit vectors to the left of some directions."""
     sizes = np.linalg.norm(along, axis=1, keepdims=True)
     return np.column_stack([-along[:, 1], along[:, 0]]) / np.where(sizes > 0.0, sizes, 1.0)
+
+
+def bent(points: Floats, breaks: Iterable[int], parts: int) -> Floats:
+    """Broken line through points with some parts between neighbours, bent as the curve is.
+
+    ``breaks``: numbers of points at which the curve has a corner, or ends. Chords are off by the
+    square of their length, which is more than small steps beside a graze allow.
+    """
+    from scipy.interpolate import Akima1DInterpolator
+
+    last = len(points) - 1
+    found = [points[:1]]
+    ends = sorted({0, last, *(at for at in breaks if 0 < at < last)})
+    for low, high in pairwise(ends):
+        some = points[low : high + 1]
+        along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(some, axis=0), axis=1)))
+        places = np.interp(np.arange(1, parts * (high - low) + 1) / parts, range(len(some)), along)
+        if high - low < 2 or np.any(np.diff(along) <= 0.0):
+            shares = np.arange(1, parts * (high - low) + 1) / parts
+            found.append(np.column_stack([np.interp(shares, range(len(some)), c) for c in some.T]))
+            continue
+        found.append(Akima1DInterpolator(along, some)(places))
+    return np.concatenate(found)
 
 
 class KnownCurve:

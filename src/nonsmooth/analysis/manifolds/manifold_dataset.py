@@ -22,7 +22,7 @@ _ENDS = {
     "images": "is longest= images of its first piece long",
     "attractor": "has come to its end at an attractor",
     "no_image": "ends, as motions from there come to no further point of the map",
-    "no_preimage": "ends, as no start nearby has an image on it",
+    "no_preimage": "ends, as no start within largest_step= of its last point has an image on it",
     "not_located": "ends, as further points could not be put onto the manifold",
     "interrupted": "was interrupted",
 }

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.manifolds.curve import Border, Curve, Spacing, finished_curve, lengths_of
 from nonsmooth.analysis.manifolds.edge import edge_point
 from nonsmooth.analysis.manifolds.first_segment import FirstSegment
-from nonsmooth.analysis.manifolds.known_curve import KnownCurve
+from nonsmooth.analysis.manifolds.known_curve import KnownCurve, bent
 from nonsmooth.analysis.manifolds.local_map import LocalMap
 from nonsmooth.analysis.manifolds.saddle import Saddle, SaddlePoint
 from nonsmooth.analysis.manifolds.stable_borders import BorderPair, find_borders
@@ -26,8 +26,14 @@ _AROUND = np.linspace(-np.pi, np.pi, 241)  # at a corner; places behind are told
 
 _SHRINKS = (1.0, 0.5, 0.25, 0.125)  # radii that are tried at once
 _PIECES = 60  # of the curve, beside the image of the last point, where the next image may lie
+_BENT = 8  # parts of a piece of the curve, along which it is bent
+_SLACK = 4.0  # times its distance from the known curve that an image may be off along it
 _CLOSES = 0.2  # of the distance of two images that remains between closer ones, unless it jumps
+_REFINED = (
+    8  # times at most that an arc is divided, by 12: a root leaves a third of a gap each time
+)
 _WIDER = (0.1, 0.4, 1.5)  # of the step, where the line on which the manifold is located ends
+_TINY = 1e-300
 _START = 4.0  # of the smallest step: the first one behind a reset
 
 
@@ -37,6 +43,39 @@ class _Found(NamedTuple):
     point: Floats
     image: float
     angle: float
+
+
+class _Target(NamedTuple):
+    """A part of the curve that is known, bent between its points, with the image of the last one.
+
+    ``slack``: how much farther that image may lie, as it is beside the known curve.
+    """
+
+    curve: KnownCurve
+    begin: int  # number of the piece of the whole curve with which it begins
+    place: float  # of the image, in parts
+    slack: float  # likewise
+
+    def crossings(self, angles: Floats, images: Floats) -> Floats:
+        """Angle, place and number of the arc of each crossing of images with the curve; (C, 3)."""
+        known = self.curve.points
+        step, arc = np.diff(known, axis=0), np.diff(images, axis=0)
+        apart = known[None, :-1] - images[:-1, None]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            area = _cross(arc[:, None], step[None])
+            on_arc = _cross(apart, step[None]) / area
+            on_step = _cross(apart, arc[:, None]) / area
+        hit = ~self.curve.cut & (on_arc >= 0.0) & (on_arc < 1.0)
+        i, k = np.nonzero(hit & (on_step >= 0.0) & (on_step <= 1.0))
+        angle = angles[i] + on_arc[i, k] * np.diff(angles)[i]
+        return np.column_stack([angle, k + on_step[i, k], i])
+
+    def is_ahead(self, place: float, angle: float) -> bool:
+        """Whether a place lies ahead of the image of the last point.
+
+        At an angle by which the curve may turn back it has to do so by more than the slack.
+        """
+        return place > self.place + (-self.slack if abs(angle) <= _AHEAD[-1] else self.slack)
 
 
 def grow_stable(
@@ -97,8 +136,8 @@ class _CircleSearch:
                 return "points"
             found = self.next_point()
             if found is None:
-                self.settle(still)
-                if not self.over_reset():
+                # a corner that settling locates may be all that was in the way
+                if not self.settle(still) and not self.over_reset():
                     return "no_preimage"
                 continue
             step = found.point - self.points[-1]
@@ -199,17 +238,52 @@ class _CircleSearch:
 
     def next_point(self) -> _Found | None:
         """The next point, on the largest circle on which the curve turns little enough."""
+        target = self.target()
         radius, smallest = self.radius, min(self.radius, self.spacing.smallest)
         while radius > smallest:
             radii = np.array([radius * part for part in _SHRINKS])
             radii = radii[radii > smallest]
-            found = self.on_circles(radii, _AHEAD, self.spacing.angle)
+            found = self.on_circles(target, radii, _AHEAD, self.spacing.angle)
             if found is not None:
                 return found
             radius = radii[-1] * _SHRINKS[1]
-        return self.on_circles(np.array([smallest]), _AROUND, np.pi)
+        return self.around_corner(target, smallest)
 
-    def on_circles(self, radii: Floats, angles: Floats, most: float) -> _Found | None:
+    def around_corner(self, target: _Target, smallest: float) -> _Found | None:
+        """A point in any direction, on the smallest circle that has one.
+
+        The image of a small circle may not reach the curve that is known, which is off the
+        manifold by what chords make, or move on along it by less: beside a graze it moves on as
+        the square of the radius.
+        """
+        radius = smallest
+        while radius <= self.spacing.largest:
+            found = self.on_circles(target, np.array([radius]), _AROUND, np.pi)
+            if found is not None:
+                return found
+            radius *= 2.0
+        return None
+
+    def target(self) -> _Target:
+        """The curve from the image of the last point on, where the next image may lie."""
+        begin = max(int(self.images[-1]) - 1, 0)
+        ends = np.array(self.points[begin : begin + _PIECES])
+        breaks = [at - begin for at in (*self.borders, *self.cuts, *(k + 1 for k in self.cuts))]
+        cuts = [_BENT * (at - begin) for at in self.cuts if begin <= at < begin + len(ends) - 1]
+        line = bent(ends, breaks, _BENT)
+        curve = KnownCurve(line, np.zeros(len(line)), [k + i for k in cuts for i in range(_BENT)])
+        place, slack = _BENT * (self.images[-1] - begin), 0.0
+        image = self.here.after(self.points[-1][None])
+        if np.isfinite(image).all():
+            places, off, piece = curve.look(image, np.array([place]))
+            if np.isfinite(off[0]):
+                place = float(places[0])
+                slack = _SLACK * abs(float(off[0])) / max(float(curve.sizes[piece[0]]), _TINY)
+        return _Target(curve, begin, place, slack)
+
+    def on_circles(
+        self, target: _Target, radii: Floats, angles: Floats, most: float
+    ) -> _Found | None:
         """A point whose image lies on the curve ahead, on the first circle that has one.
 
         On each circle it is the one nearest to straight on, by the angle ``most`` at most.
@@ -217,9 +291,13 @@ class _CircleSearch:
         starts = self.around(radii[:, None], angles)
         images = self.here.after(starts.reshape(-1, 2)).reshape(radii.size, angles.size, 2)
         for radius, some in zip(radii, images, strict=True):
-            found = self.closest(radius, angles, some, most)
-            if found is not None:
-                return found
+            crossings = target.crossings(angles, some)
+            for k in np.argsort(np.abs(crossings[:, 0])):
+                if abs(crossings[k, 0]) > most + angles[1] - angles[0]:
+                    break
+                found = self.refined(target, radius, angles, some, int(crossings[k, 2]))
+                if found is not None and abs(found.angle) <= most:
+                    return found  # and does not turn too much
         return None
 
     def around(self, radius: float | Floats, angles: Floats) -> Floats:
@@ -229,47 +307,37 @@ class _CircleSearch:
         ways = np.stack([c * h[0] - s * h[1], s * h[0] + c * h[1]], axis=-1)
         return np.asarray(self.points[-1] + np.asarray(radius)[..., None] * ways)
 
-    def closest(self, radius: float, angles: Floats, images: Floats, most: float) -> _Found | None:
-        """ManifoldCrossing of the images of one circle with the curve, nearest to straight on."""
-        crossings = self.crossings(angles, images)
-        for k in np.argsort(np.abs(crossings[:, 0])):
-            if abs(crossings[k, 0]) > most + angles[1] - angles[0]:
-                break
-            arc = int(crossings[k, 2])
-            finer = np.linspace(angles[arc], angles[arc + 1], _AHEAD.size)
-            inner = self.here.after(self.around(radius, finer))
-            again = self.crossings(finer, inner)
-            if not again.size:
-                continue
-            angle, place, small = again[np.argmin(np.abs(again[:, 0]))]
-            gap = np.linalg.norm(inner[int(small) + 1] - inner[int(small)])
-            if gap > _CLOSES * np.linalg.norm(images[arc + 1] - images[arc]) or abs(angle) > most:
-                continue  # the map jumps there, and the curve lies in the gap; or it turns
-            return _Found(self.around(radius, np.array([angle]))[0], float(place), float(angle))
-        return None
+    def refined(
+        self, target: _Target, radius: float, angles: Floats, images: Floats, arc: int
+    ) -> _Found | None:
+        """Crossing on one arc, if it is ahead; None where the map jumps there and has a gap.
 
-    def crossings(self, angles: Floats, images: Floats) -> Floats:
-        """Angle, place along the curve and number of the arc of each crossing; (C, 3)."""
-        begin = int(self.images[-1])
-        known = np.array(self.points[begin : begin + _PIECES])
-        step, arc = np.diff(known, axis=0), np.diff(images, axis=0)
-        apart = known[None, :-1] - images[:-1, None]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            area = _cross(arc[:, None], step[None])
-            on_arc = _cross(apart, step[None]) / area
-            on_step = _cross(apart, arc[:, None]) / area
-        place = begin + np.arange(len(step)) + on_step
-        ahead = ~np.isin(begin + np.arange(len(step)), self.cuts)
-        hit = ahead & (on_arc >= 0.0) & (on_arc < 1.0) & (on_step >= 0.0) & (on_step <= 1.0)
-        i, k = np.nonzero(hit & (place > self.images[-1]))
-        angle = angles[i] + on_arc[i, k] * np.diff(angles)[i]
-        return np.column_stack([angle, place[i, k], i])
+        Images beside a graze part as the root of the distance: they come together, but slowly.
+        """
+        low, high = float(angles[arc]), float(angles[arc + 1])
+        apart = np.linalg.norm(images[arc + 1] - images[arc])
+        for _ in range(_REFINED):
+            finer = np.linspace(low, high, _AHEAD.size)
+            inner = self.here.after(self.around(radius, finer))
+            again = target.crossings(finer, inner)
+            if not again.size:
+                return None
+            angle, place, small = again[np.argmin(np.abs(again[:, 0]))]
+            k = int(small)
+            if np.linalg.norm(inner[k + 1] - inner[k]) <= _CLOSES * apart:
+                if not target.is_ahead(float(place), float(angle)):
+                    return None
+                point = self.around(radius, np.array([angle]))[0]
+                return _Found(point, target.begin + float(place) / _BENT, float(angle))
+            low, high = float(finer[k]), float(finer[k + 1])
+        return None
 
     def over_reset(self) -> bool:
         """Go on behind a reset, where the curve has come to the edge of the states.
 
         A start at the edge that moves outward is reset at once, so the curve goes on where that
-        leads. Whether it has been found.
+        leads; if the curve comes from the inside of a reset, it goes on at the start of that.
+        Whether it has been found.
         """
         if len(self.points) - 2 in self.cuts:  # nothing came of the one before
             return False
@@ -282,7 +350,10 @@ class _CircleSearch:
         self.settled = len(self.points)
         self.cuts.append(self.settled - 2)
         self.radius = _START * self.spacing.smallest
-        begun = self.on_circles(np.array([self.radius]), _AROUND, np.inf)
+        target = self.target()
+        # the curve begins here, so that what is beside the image within the slack is ahead of it
+        target = target._replace(place=target.place - target.slack, slack=0.0)
+        begun = self.around_corner(target, self.radius)
         if begun is None:
             return False
         way = begun.point - self.points[-1]

@@ -49,7 +49,9 @@ def find_borders(
         some = np.flatnonzero(counts == count)
         ends = np.concatenate([known.points[pieces[some]], known.points[pieces[some] + 1]])
         low_keys[some], high_keys[some] = np.split(here.itineraries(ends, int(count)).keys, 2)
-    at = np.flatnonzero((low_keys != high_keys) & ~known.cut[pieces])
+    # a start at the edge that is reset at once has that reset in its itinerary, and no border
+    begins = np.append(False, known.cut[:-1])
+    at = np.flatnonzero((low_keys != high_keys) & ~(known.cut | begins)[pieces])
     if not at.size:
         return {}
     search = _BorderSearch(here, known, pieces[at], counts[at], report)

@@ -25,24 +25,37 @@ _LEAST_STEPS = 3.0  # of the recorder: rounding is no spike
 
 
 def spike_findings(data: Readings, bad: Mask) -> Iterator[Flaw]:
-    """Samples that stand out of a cubic through the six on either side.
+    """Samples that stand out of a cubic through the twelve about them.
+
+    These are six on either side; at the ends of the record the first or the last thirteen samples
+    are the neighbourhood of each that has fewer before or behind it.
 
     bad: samples that are known to be bad already; what has one about it is not judged
     """
-    window = np.ones(2 * _REACH + 1)
-    clear = np.convolve((bad | ~np.isfinite(data.values)).astype(float), window, "same") < 0.5
-    clear[:_REACH] = clear[-_REACH:] = False
-    off, away, about = _about_neighbours(data.values)
-    limit, smooth = _limits(data)
-    with np.errstate(invalid="ignore"):
-        found = clear & (np.abs(off) > limit) & ((away < smooth) | (np.abs(off) > _SHARPER * away))
-    for k in np.flatnonzero(found):
-        if not _is_no_impact(about[k], data):
+    length = 2 * _REACH + 1
+    if data.values.size < length:
+        return
+    clear = np.convolve((bad | ~np.isfinite(data.values)).astype(float), np.ones(length), "valid")
+    windows = np.lib.stride_tricks.sliding_window_view(data.values, length)
+    last = len(windows) - 1
+    found: list[tuple[int, Floats, int]] = []  # sample, those about it, and its place among them
+    for at in range(length):
+        # only in the middle, but for the first and the last window
+        chosen = slice(None) if at == _REACH else slice(0, 1) if at < _REACH else slice(last, None)
+        off, away = _off_and_away(windows[chosen], at)
+        limit, smooth = _limits(data, at)
+        with np.errstate(invalid="ignore"):
+            out = (np.abs(off) > limit) & ((away < smooth) | (np.abs(off) > _SHARPER * away))
+        first = chosen.start or 0
+        places = np.flatnonzero(out & (clear[chosen] < 0.5)) + first
+        found += [(int(k) + at, windows[k], at) for k in places]
+    for k, about, at in sorted(found, key=lambda one: one[0]):
+        if not _is_no_impact(about, at, data) and not _is_beyond(data.values, k):
             continue
-        size, at = float(off[k]), float(data.times[k])
+        size, time = float(_off_and_away(about[None], at)[0][0]), float(data.times[k])
         yield Flaw(
-            data.name, "spike", at, at, 1, size,
-            f"{data.name} has a spike of {data.size(size)} at t = {at:.7g}, one sample",
+            data.name, "spike", time, time, 1, size,
+            f"{data.name} has a spike of {data.size(size)} at t = {time:.7g}, one sample",
             np.array([k]),
         )  # fmt: skip
 
@@ -54,12 +67,12 @@ def _deviations(data: Readings) -> float:
     return float(norm.isf(0.5 * data.rate / data.values.size))
 
 
-def _limits(data: Readings) -> tuple[float, float]:
+def _limits(data: Readings, at: int) -> tuple[float, float]:
     """How far off a sample may be by chance, and how far its neighbours from their cubic."""
     from scipy.stats import chi2
 
     noise = data.noise
-    fit = _neighbours()[1]
+    fit = _neighbours(at)[1]
     limit = _deviations(data) * float(np.sqrt(1.0 + fit[0] @ fit[0])) * noise.most
     free = 2 * _REACH - _DEGREE - 1
     smooth = noise.most * float(np.sqrt(chi2.ppf(_AGREE, free) / (2 * _REACH)))
@@ -68,25 +81,23 @@ def _limits(data: Readings) -> tuple[float, float]:
 
 
 @cache
-def _neighbours() -> tuple[npt.NDArray[np.int64], Floats, Floats]:
-    """Places of the neighbours, the fit of a cubic to them, and its values there."""
-    places = np.concatenate([np.arange(-_REACH, 0), np.arange(1, _REACH + 1)])
+def _neighbours(at: int) -> tuple[npt.NDArray[np.int64], Floats, Floats]:
+    """Places of the neighbours, from the sample on, the fit of a cubic, and its values there."""
+    places = np.delete(np.arange(2 * _REACH + 1), at) - at
     powers = np.vander(places, _DEGREE + 1, increasing=True).astype(float)
     fit = np.linalg.pinv(powers)
     return places, fit, powers @ fit
 
 
-def _about_neighbours(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Distance of each sample from the cubic through its neighbours, theirs from it, and all."""
-    places, fit, projection = _neighbours()
-    padded = np.pad(values, _REACH, constant_values=np.nan)
-    about = np.lib.stride_tricks.sliding_window_view(padded, 2 * _REACH + 1)
-    around = about[:, places + _REACH]
+def _off_and_away(about: Floats, at: int) -> tuple[Floats, Floats]:
+    """Distance of one sample of windows from the cubic through the others, and theirs from it."""
+    places, fit, projection = _neighbours(at)
+    around = about[:, places + at]
     left = around - around @ projection.T
-    return values - around @ fit[0], np.sqrt(np.mean(left * left, axis=1)), about
+    return about[:, at] - around @ fit[0], np.sqrt(np.mean(left * left, axis=1))
 
 
-def _is_no_impact(about: Floats, data: Readings) -> bool:
+def _is_no_impact(about: Floats, at: int, data: Readings) -> bool:
     """Whether a spike explains samples so much better than any impact that chance does not.
 
     Both models are a cubic and one shape more. If an impact is the truth, the sum of squares that
@@ -94,19 +105,30 @@ def _is_no_impact(about: Floats, data: Readings) -> bool:
     high the impact (s the standard deviation of the noise): the difference of both sums is normal
     with mean d^2 s^2 and deviation 2 d s^2, and (d^2 + z^2) / 2 d is at least z.
     """
-    spike, impacts = _shapes()
+    spike, impacts = _shapes(at)
     by_spike = float(spike @ about) ** 2
     by_impact = float(np.max((impacts @ about) ** 2))
     return by_spike - by_impact > (_deviations(data) * data.noise.most) ** 2
 
 
+def _is_beyond(values: Floats, k: int) -> bool:
+    """Whether the first or the last sample is farther off all others than these are apart.
+
+    A jump between it and the next sample explains it as well as a spike, but for its size.
+    """
+    if k not in (0, values.size - 1):
+        return False
+    low, high = np.nanmin(others := np.delete(values, k)), np.nanmax(others)
+    return bool(max(low - values[k], values[k] - high) > high - low)
+
+
 @cache
-def _shapes() -> tuple[Floats, Floats]:
+def _shapes(spike: int) -> tuple[Floats, Floats]:
     """What is left of a spike, and of impacts, when a cubic has been taken off; of length one."""
     places = np.arange(-_REACH, _REACH + 1)
     powers = np.vander(places, _DEGREE + 1, increasing=True).astype(float)
     q = np.linalg.qr(powers)[0]
-    shapes = [(places == 0).astype(float)]
+    shapes = [(places == spike - _REACH).astype(float)]
     for at in _PLACES:
         since = places - at
         shapes += [np.abs(since), np.sign(since)]  # a velocity that jumps, or what is seen of it

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.measured.clock import GAP, usual_step
+from nonsmooth.measured.clock import lost_samples, usual_step
 from nonsmooth.measured.marking import faulty_marks
 from nonsmooth.measured.quality.flaw import Flaw, Readings, stretches
 
@@ -41,9 +41,11 @@ def time_findings(times: Floats) -> Iterator[Flaw]:
             "time", "uneven", float(times[k]), float(times[k + 1]), 1, float(steps[k]),
             f"time does not increase: {times[k + 1]:.9g} follows {times[k]:.9g}",
         )  # fmt: skip
-    gaps = steps > GAP * usual
+    # times that jitter have long steps, too: a gap moves all times behind it
+    lost_at = lost_samples(times, usual)
+    gaps = lost_at > 0
     for k in np.flatnonzero(gaps):
-        lost = round(float(steps[k]) / usual) - 1
+        lost = int(lost_at[k])
         yield Flaw(
             "time", "gap", float(times[k]), float(times[k + 1]), lost, float(steps[k]),
             f"about {lost} {'sample is' if lost == 1 else 'samples are'} missing between"

@@ -276,8 +276,13 @@ def _number(value: float) -> str:
 
 def _misplaced(document: Mapping[str, Any]) -> str:
     """Hint for keys of the system that a table in front of them has swallowed."""
-    for table in ("parameters", "definitions", "outputs", "require", "initial", "describe"):
-        inside = document.get(table)
+    names = ("equations", "parameters", "definitions", "outputs", "require", "initial", "describe")
+    tables = {name: document.get(name) for name in names}
+    modes = document.get("modes")
+    for name, mode in modes.items() if isinstance(modes, dict) else ():
+        if isinstance(mode, dict):
+            tables |= {f"modes.{name}": mode, f"modes.{name}.flow": mode.get("flow")}
+    for table, inside in tables.items():
         if isinstance(inside, dict):
             for key in ("states", "period", "drift", "name"):
                 if key in inside and key not in document:
