@@ -302,15 +302,25 @@ def test_an_event_passes_the_section_along_a_curve(drill):
         assert run["end_state"].values == pytest.approx(start, abs=1e-9)
 
 
-def test_a_flip_curve_goes_on_where_an_impact_throws_onto_a_surface(drill):
-    """All orbits are motions on both sides; the flip of a branch beyond lies on the curve."""
+def test_a_curve_goes_on_where_an_impact_throws_over_a_surface(drill):
+    """At that point the speed behind an impact is zero; orbits on either side come back."""
     curve = ns.continue_special(drill, number_of(drill, "flip"), "r", (0.7, 0.95))
-    assert len(found_on(curve)["gained_flip"]) == 1
+    assert (curve.attrs["end_first"], curve.attrs["end_last"]) == ("bound", "bound")
+    assert list(curve["special_kind"].values) == ["bound", "gained_flip", "bound"]
+    assert len(set(curve["word"].values.tolist())) == 2
     assert bool(curve["admissible"].all())
-    assert np.abs(curve["multipliers"].values + 1.0).min(axis=1).max() < 1e-7
-    beyond = curve.isel(point=int(np.argmin(np.abs(curve["r"].values - 0.92))))
-    system = ns.System.from_toml(curve.attrs["system"]).with_parameters(r=float(beyond["r"]))
-    w = float(beyond["w"])
-    branch = ns.continue_orbit(system, "w", (w - 0.02, w + 0.02), initial=beyond,
-                               parameters={"w": w - 1e-3})  # fmt: skip
-    assert float(branch["special_value"][number_of(branch, "flip")]) == pytest.approx(w, rel=1e-8)
+    system = ns.System.from_toml(curve.attrs["system"])
+    for k in range(0, curve.sizes["point"], 5):
+        point = curve.isel(point=k)
+        values = {name: float(point[name]) for name in ("w", "r")}
+        run = ns.simulate(system, point, periods=1, parameters=values, tangent=[])
+        start = point[list(system.states)].to_array().values
+        assert run["end_state"].values == pytest.approx(start, abs=1e-9)
+        multipliers = np.linalg.eigvals(run["tangent"].values[-1])
+        assert np.abs(multipliers + 1.0).min() < 1e-6
+    change = curve.isel(point=int(curve["special_point"][1]))
+    values = {name: float(change[name]) for name in ("w", "r")}
+    run = ns.simulate(system, change, periods=1, parameters=values)
+    blows = np.array(["blow" in name for name in run["event_name"].values.astype(str)])
+    speeds = run["state_after"].sel(state="v2").values[blows]
+    assert np.abs(speeds).min() < 1e-9 < np.abs(speeds).max()

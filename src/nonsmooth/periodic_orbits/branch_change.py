@@ -339,7 +339,7 @@ def _by_settled_motion(
                 continue
             start.kind = kind_of(name)
             start.detail = _detail(stretch, name, start, point)
-            located = _located_behind(stretch, start)
+            located = _located_behind(stretch, start, point)
             if located is not None:
                 return located, None
             stands = replace(looked, admissibility=Admissibility(True))
@@ -347,16 +347,22 @@ def _by_settled_motion(
     return None
 
 
-def _located_behind(stretch: BranchStretch, start: BranchStart) -> BranchStart | None:
+def _located_behind(
+    stretch: BranchStretch, start: BranchStart, point: Point
+) -> BranchStart | None:  # fmt: skip
     """The start before the change of its own word, from which that is located.
 
     Orbits whose motions rebound without end change their words without end just before they come to
-    rest, and the last change that they tell is not the one behind which they rest.
+    rest, and the last change that they tell is not the one behind which they rest. That lies
+    between the last change and the start.
     """
     stretch.set_parameter(start.value)
     name = nearest_behind(stretch, start)
     before = before_graze(stretch, start, name, _BACK) if name else None
-    if before is None:
+    # the change lies half way back, as far as it is linear
+    if before is None or (
+        (0.5 * (before.value + start.value) - point.p) * (start.value - point.p) <= 0.0
+    ):
         return None
     system, word = stretch.options.system, start.equations.word
     way_on = start.detail.rpartition("; ")[2]
