@@ -77,6 +77,7 @@ def saddle():
     return orbit, point, values[order], vectors[:, order]
 
 
+@pytest.mark.slow  # hundreds of periods of scipy, and twice a curve with grazes
 @pytest.mark.parametrize("largest", [None, 0.1])
 def test_it_goes_on_behind_grazes_and_resets(saddle, largest):
     """Points come to the eigenvector's line at the saddle, also behind the ends of before.
