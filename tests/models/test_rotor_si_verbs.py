@@ -236,6 +236,8 @@ NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motio
     "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "excitation", "fatigue",
     "continuation", "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
     "Surface", "smoothed", "smoothing_report", "mirrored_orbit", "fit", "posterior", "explore",
+    # their results have variables that `to_si` does not know, and refuses by name
+    "edge_state", "integrity", "erosion_profile", "homoclinic_points", "homoclinic_tangency",
 }  # fmt: skip
 
 
