@@ -154,6 +154,7 @@ def test_impacts_jump_over_a_surface_that_holds():
             assert np.abs(end - state).max() < 1e-8
 
 
+@pytest.mark.slow
 def test_special_points_of_gears_do_not_depend_on_the_start():
     found = {}
     for n in (25.0, 34.5, 40.0):
@@ -173,6 +174,7 @@ def test_special_points_of_gears_do_not_depend_on_the_start():
         assert_same(found[n], found[40.0], rel=1e-8)
 
 
+@pytest.mark.slow
 def test_changes_on_both_sides_of_a_symmetric_orbit_at_once_are_passed():
     """It touches both walls at w = 0.92326: a branch ended there, or went on, by where it began."""
     found = []

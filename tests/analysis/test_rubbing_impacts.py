@@ -70,6 +70,7 @@ def test_a_leg_that_leaves_a_surface_and_comes_back_vanishes_and_the_branch_goes
     assert float(settled["x"]) == pytest.approx(float(branch["x"].values[-1]), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_range_of_the_parameter_does_not_decide_whether_a_branch_goes_on():
     """Which of the tests that vanish with a leg is found first depends on rounding."""
     details = []

@@ -22,8 +22,9 @@ ROOT = Path(__file__).parents[2]
 EVERY_PAGE = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # The chapter takes minutes; the others up to one, and what they call is tested by itself.
 LONG = {
-    "alarm.md", "bifurcation-pictures.md", "chapter.md", "fatigue-lives.md", "fit.md",
-    "many-orbits.md", "rotating-machines.md", "rotor.md", "smoothing.md",
+    "alarm.md", "bifurcation-pictures.md", "chapter.md", "crises.md", "edge-states.md",
+    "fatigue-lives.md", "fit.md", "manifolds.md", "many-orbits.md", "rotating-machines.md",
+    "rotor.md", "smoothing.md", "two-parameters.md",
     "case-studies/cracked-beam.md", "case-studies/fatigue-rig.md", "case-studies/mole.md",
 }  # fmt: skip
 DRAWN = {"tutorials", "case-studies", "explanation", "figures.md"}

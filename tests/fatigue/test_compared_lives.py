@@ -17,6 +17,7 @@ def lives_of_plate(law, tests, first, last):
     return lengths / (law.C * unit**law.m) / 20.0
 
 
+@pytest.mark.slow
 def test_a_fit_finds_the_law_behind_closed_forms():
     tests = table_3()
     law = Walker(3e-8, 3.4, 0.55)

@@ -60,6 +60,7 @@ def test_a_straight_line_is_linear_regression(segments):
     assert float(found["interval_low"][0]) == pytest.approx(known.slope - half, abs=0.006 * half)
 
 
+@pytest.mark.slow
 def test_many_segments_become_fewer_and_the_regression_stays():
     """120 segments would do for 6000 samples; no error grows in them, so half of them are left."""
     ramp, record = line(count=6000)

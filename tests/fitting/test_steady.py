@@ -120,8 +120,10 @@ def chaotic(times):
         (lambda t: np.cos(t) + np.cos(3 * t) ** 5, 1),
         (lambda t: np.cos(t) + 0.2 * np.cos(t / 3), 3),
         (lambda t: np.cos(t) + 0.1 * np.cos(np.sqrt(2) * t), None),
-        (lambda t: np.cos(t) + np.exp(-0.02 * t) * np.cos(1.3 * t), None),
-        (lambda t: np.cos(t) * (1.0 + 0.02 * t / 250), None),
+        pytest.param(
+            lambda t: np.cos(t) + np.exp(-0.02 * t) * np.cos(1.3 * t), None, marks=pytest.mark.slow
+        ),
+        pytest.param(lambda t: np.cos(t) * (1.0 + 0.02 * t / 250), None, marks=pytest.mark.slow),
         (chaotic, None),
     ],
     ids=["period one", "period three", "two frequencies", "decaying", "growing", "chaotic"],
