@@ -324,3 +324,13 @@ def test_a_curve_goes_on_where_an_impact_throws_over_a_surface(drill):
     blows = np.array(["blow" in name for name in run["event_name"].values.astype(str)])
     speeds = run["state_after"].sel(state="v2").values[blows]
     assert np.abs(speeds).min() < 1e-9 < np.abs(speeds).max()
+
+
+@pytest.mark.parametrize("steps", range(1, 12))
+def test_steps_may_end_anywhere(twice, steps):
+    """Also at a change of the word, behind which no step is left."""
+    curve = ns.continue_special(
+        twice, number_of(twice, "flip"), "omega", (0.6, 1.2), steps=steps, largest_step=0.05
+    )
+    assert curve.attrs["end_first"] == curve.attrs["end_last"] == "steps"
+    assert curve.sizes["point"] >= 2 * steps

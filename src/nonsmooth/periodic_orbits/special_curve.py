@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.point import Point
+from nonsmooth.errors import NonsmoothError, RunError
 from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_part import BranchPart, ending_of_orbits, is_critical, kind_of
 from nonsmooth.periodic_orbits.branch_tests import Looked, is_of_word
@@ -88,22 +89,36 @@ class SpecialCurve:
         start = CurveStart(equations.pack(guess.turn), p, q, way)
         following: CurvePiece | None = CurvePiece(condition, start)
         while following is not None:
-            following = self._follow_piece(following, way)
+            try:
+                following = self._follow_piece(following, way)
+            except NonsmoothError as fault:
+                if not self.parts:
+                    raise
+                # what is known stays
+                self.ended, following = "smallest_step", None
+                self.message = self._at(f"the curve could not be followed further: {fault}")
 
     def _follow_piece(self, piece: CurvePiece, way: int) -> CurvePiece | None:
         """Points with one word; the piece with the next one, None where the curve has ended."""
         along = abs(self.parts[-1].arclength) if self.parts else 0.0
-        curve = piece.condition.curve(piece.start, self.asked.options.steps - self._steps_done())
+        left = self.asked.options.steps - self._steps_done()
+        if left <= 0 and self.parts:
+            steps = self.asked.options.steps
+            self.ended, self.message = "steps", f"{steps} steps were taken; allow more with steps="
+            return None
+        curve = piece.condition.curve(piece.start, left)
         for point, part in self._points(piece, curve, along):
             self.parts.append(replace(part, arclength=way * part.arclength))
             if is_of_word(part.test):
                 return self._behind(piece.condition, point, self.parts[-1])
             if part.special in _ENDS_TORUS and self.asked.kind == "torus":
-                self.ended, self.message = part.special, self._at(point, _SAID[part.special])
+                self.ended, self.message = part.special, self._at(_SAID[part.special])
                 return None
-        self.ended, self.message = curve.ended, self._why(curve, point)
+        if not self.parts:
+            raise RunError("the orbit there does not have the multipliers of such a curve")
+        self.ended, self.message = curve.ended, self._why(curve)
         if curve.ended in ("smallest_step", "singular") and self._is_repeated(piece.condition):
-            self.ended, self.message = "generalised_flip", self._at(point, _BECOMES_SHORTER)
+            self.ended, self.message = "generalised_flip", self._at(_BECOMES_SHORTER)
         return None
 
     def _is_repeated(self, condition: SpecialCondition) -> bool:
@@ -206,7 +221,6 @@ class SpecialCurve:
             return piece
         self.ended = part.special or "section"
         self.message = self._at(
-            point,
             f"{part.detail} at the same time, and no orbits beyond were found that meet the same"
             " condition",
         )
@@ -242,21 +256,23 @@ class SpecialCurve:
         names = list(self.asked.options.system.parameters)
         return np.array([part.looked.values[names.index(self.asked.first)], part.value])
 
-    def _at(self, point: Point, what: str) -> str:
-        p, q = float(point.u[-1]), point.p
+    def _at(self, what: str) -> str:
+        """What happens at the last point, with both parameters."""
+        p, q = self._place(self.parts[-1])
         return f"at {self.asked.first} = {p:.10g}, {self.asked.options.parameter} = {q:.10g} {what}"
 
-    def _why(self, curve: Branch, last: Point) -> str:
-        """Why the curve ends at this point, by the names of both parameters."""
-        parameter, p = self.asked.options.parameter, float(last.u[-1])
+    def _why(self, curve: Branch) -> str:
+        """Why the curve ends at the last point, by the names of both parameters."""
+        parameter = self.asked.options.parameter
+        p, q = map(float, self._place(self.parts[-1]))
         if curve.ended == "bound" and p in self.asked.first_bounds:
             return (
                 f"{self.asked.first} reached its bound {p:.10g}, which is that of the branch, at"
-                f" {parameter} = {last.p:.10g}; for more give a branch over a wider range"
+                f" {parameter} = {q:.10g}; for more give a branch over a wider range"
             )
         if curve.ended == "bound":
-            return f"{parameter} reached its bound {last.p:.10g}, at {self.asked.first} = {p:.10g}"
-        return ending_of_orbits(curve.ended, curve.message, parameter, last.p)
+            return f"{parameter} reached its bound {q:.10g}, at {self.asked.first} = {p:.10g}"
+        return ending_of_orbits(curve.ended, curve.message, parameter, q)
 
 
 def _both(own: str, other: str) -> str:
