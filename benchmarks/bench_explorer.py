@@ -10,11 +10,12 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
 
-import nonsmooth as ns
 from nonsmooth.explorer.links import to_link
 from nonsmooth.explorer.openings import opening
 
@@ -38,20 +39,27 @@ class Wait(NamedTuple):
     limit: float
 
 
+@contextmanager
+def served() -> Iterator[str]:
+    """Address of a page that the command serves, in a process of its own as users have it."""
+    words = ["explore", "moling", "--no-browser", "--port", str(PORT)]
+    command = subprocess.Popen([sys.executable, "-m", "nonsmooth", *words], stderr=subprocess.PIPE)
+    try:
+        assert command.stderr is not None
+        command.stderr.readline()  # the command says that the page is there
+        yield f"http://127.0.0.1:{PORT}"
+    finally:
+        command.terminate()
+        command.communicate()
+
+
 def ready(page: Page) -> float:
     """Milliseconds from the command to the painted motion, the browser being open."""
     began = time.perf_counter()
-    words = ["explore", "moling", "--no-browser", "--port", str(PORT)]
-    served = subprocess.Popen([sys.executable, "-m", "nonsmooth", *words], stderr=subprocess.PIPE)
-    try:
-        assert served.stderr is not None
-        served.stderr.readline()  # the command says that the page is there
-        page.goto(f"http://127.0.0.1:{PORT}/", wait_until="commit")
+    with served() as address:
+        page.goto(f"{address}/", wait_until="commit")
         page.wait_for_function("window.explorer?.painted.motion > 0", polling="raf")
         return 1e3 * (time.perf_counter() - began)
-    finally:
-        served.terminate()
-        served.communicate()
 
 
 def slides(page: Page, address: str, model: str, moves: int) -> tuple[float, float]:
@@ -99,6 +107,25 @@ def choose(selector: str, value: str) -> str:
     )
 
 
+def gestures(page: Page, address: str, moves: int) -> list[Wait]:
+    """The waits for sliders, diagrams and a basin."""
+    waits = []
+    for model in SLID:
+        middle, high = slides(page, address, model, moves)
+        waits.append(Wait(f"{model}: slider to portrait, median", middle, 100.0))
+        waits.append(Wait(f"{model}: slider to portrait, 95 %", high, 200.0))
+    for model in SLID:
+        open_page(page, address, to_link(opening(model)))
+        coarse, fine = pieces(page, "diagram", choose('[data-between="0"]', "0.05"
+                              if model == "moling" else "1.6"))  # fmt: skip
+        waits.append(Wait(f"{model}: diagram of 400 columns, coarse", coarse, 500.0))
+        waits.append(Wait(f"{model}: diagram of 400 columns, fine", fine, 3000.0))
+    open_page(page, address, to_link(opening("moling")))
+    _, basin = pieces(page, "plane", "document.getElementById('whole-region').click()")
+    waits.append(Wait("moling: basin of 10,000 starts", basin, 2000.0))
+    return waits
+
+
 def measure(moves: int) -> list[Wait]:
     """All waits."""
     program = shutil.which("chromium") or shutil.which("google-chrome")
@@ -109,22 +136,8 @@ def measure(moves: int) -> list[Wait]:
         page = browser.new_page(viewport={"width": 1280, "height": 720})
         page.set_default_timeout(PATIENCE)
         waits = [Wait("page ready after the command", ready(page), 3000.0)]
-        served = ns.explore(browser=False)
-        address = served.url.partition("/#")[0]
-        for model in SLID:
-            middle, high = slides(page, address, model, moves)
-            waits.append(Wait(f"{model}: slider to portrait, median", middle, 100.0))
-            waits.append(Wait(f"{model}: slider to portrait, 95 %", high, 200.0))
-        for model in SLID:
-            open_page(page, address, to_link(opening(model)))
-            coarse, fine = pieces(page, "diagram", choose('[data-between="0"]', "0.05"
-                                  if model == "moling" else "1.6"))  # fmt: skip
-            waits.append(Wait(f"{model}: diagram of 400 columns, coarse", coarse, 500.0))
-            waits.append(Wait(f"{model}: diagram of 400 columns, fine", fine, 3000.0))
-        open_page(page, address, to_link(opening("moling")))
-        _, basin = pieces(page, "plane", "document.getElementById('whole-region').click()")
-        waits.append(Wait("moling: basin of 10,000 starts", basin, 2000.0))
-        served.stop()
+        with served() as address:
+            waits += gestures(page, address, moves)
         browser.close()
     return waits
 

@@ -93,6 +93,9 @@ class Screen:
 
     @property
     def link(self):
+        """What the address says; under a slider it is written when the motion has been painted."""
+        self.page.wait_for_function("!explorer.work.has('motion')")
+        self.page.wait_for_timeout(100)
         return self.page.evaluate("location.hash.slice(1)")
 
     def place(self, pane, right, up):

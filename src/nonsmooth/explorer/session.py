@@ -154,6 +154,8 @@ class Session:
         other = (view.model, view.text) != (self.view.model, self.view.text)
         self.view = view
         moves = self._key("motion") != self.keys.get("motion")
+        if moves and not other:  # before all else, because a slider waits for it
+            self._begin("motion", n=n)
         self._tell_view(n, new_system=other, moves=moves, by_gesture=True)
         for task in _ORDER:
             if other:

@@ -1,8 +1,8 @@
 // The page: it connects, opens what its link says, and tells what the session says.
 
 import { connect, gestures, on, send } from "./wire.js";
-import { landed, timings } from "./controls.js";
-import { drawAll, follow, keys, setMarks } from "./plots.js";
+import { isMoving, landed, timings } from "./controls.js";
+import { drawAll, follow, hold, keys, release, setMarks } from "./plots.js";
 import { startMark, stepEvent, togglePlay, wantEvent } from "./machine.js";
 
 const byId = (id) => document.getElementById(id);
@@ -11,8 +11,21 @@ const names = {
   motion: "motion", ranges: "sliders", drawing: "drawing", orbit: "orbit", diagram: "diagram", plane: "basins",
   picture: "picture",
 };
+const patience = 150; // milliseconds in which a motion is there, mostly; then one is told of it
 let link = "";
+let workTimer = 0;
 window.explorer = { gestures, timings, painted: {}, work };
+
+function writeAddress() {
+  if (location.hash !== link) history.replaceState(null, "", link);
+}
+
+// Writes a text where it differs: to write it again would lay the page out anew.
+function write(element, text, title = element.title, className = element.className) {
+  if (element.textContent !== text) element.textContent = text;
+  if (element.title !== title) element.title = title;
+  if (element.className !== className) element.className = className;
+}
 
 // ------------------------------------------------------------------ tabs
 
@@ -38,7 +51,8 @@ for (const tab of document.querySelectorAll('[role="tab"]')) {
 
 on("view", (message) => {
   link = `#${message.link}`;
-  if (location.hash !== link) history.replaceState(null, "", link);
+  if (message.moves) hold(["history", "portrait"], patience);
+  if (!isMoving()) writeAddress(); // it takes milliseconds, for which a slider does not wait
   byId("back").disabled = !message.back;
   byId("forward").disabled = !message.forward;
   const [here] = message.marks.diagram;
@@ -64,6 +78,7 @@ on("work", (message) => {
   const busy = state === "busy";
   if (busy) work.set(task, "");
   else work.delete(task);
+  if (task === "motion" && !busy) requestAnimationFrame(() => setTimeout(writeAddress, 0));
   for (const plot of plotsOf(task)) {
     plot.classList.toggle("stale", busy || state === "stale");
   }
@@ -108,7 +123,8 @@ function showWork() {
   byId("stop").hidden = long.length === 0;
   const said = long.map(([task, how]) => (how ? `${names[task]}: ${how}` : names[task]));
   const words = said.length ? said.join(", ") : work.size ? "" : "ready";
-  Object.assign(byId("work-text"), { textContent: words, title: words });
+  clearTimeout(workTimer);
+  workTimer = setTimeout(() => write(byId("work-text"), words, words), words ? 0 : patience);
 }
 
 on("piece", (message) => {
@@ -116,14 +132,13 @@ on("piece", (message) => {
   window.explorer.painted[task] = (window.explorer.painted[task] ?? 0) + 1;
   if (work.has(task)) work.set(task, message.said ?? "");
   for (const plot of plotsOf(task)) plot.classList.remove("stale");
-  if (message.remark !== undefined) byId(`${task}-note`).textContent = message.remark;
+  if (message.remark !== undefined) write(byId(`${task}-note`), message.remark);
   if (task === "motion") {
+    release();
     landed(message.n);
     chips("modes", message.modes);
-    const said = byId("motion-said");
-    said.textContent = message.said;
-    said.title = `${message.said}\n${message.title}\nmodes of the last period: ${message.word}`;
-    said.className = `said ${message.fine ? "fine" : "doubt"}`;
+    const more = `${message.said}\n${message.title}\nmodes of the last period: ${message.word}`;
+    write(byId("motion-said"), message.said, more, `said ${message.fine ? "fine" : "doubt"}`);
   } else if (task === "orbit") {
     tellOrbit(message);
   } else if (task === "diagram" || task === "plane") {
@@ -138,7 +153,11 @@ on("piece", (message) => {
   showWork();
 });
 
+const shownChips = {};
 function chips(id, entries) {
+  const told = JSON.stringify(entries);
+  if (shownChips[id] === told) return;
+  shownChips[id] = told;
   byId(id).replaceChildren(
     ...entries.map(([name, colour]) => {
       const chip = Object.assign(document.createElement("span"), { className: "chip" });
@@ -236,7 +255,7 @@ byId("copied-close").addEventListener("click", () => dialog.close());
 for (const button of document.querySelectorAll("[data-copy]")) {
   button.addEventListener("click", () => {
     const kind = button.dataset.copy;
-    if (kind === "link") offer("Link to this view", location.href);
+    if (kind === "link") offer("Link to this view", new URL(link, location.href).href);
     else send({ do: "copy", as: kind });
   });
 }

@@ -20,6 +20,24 @@ function frame(pane) {
   return { figure, left, top, width: right - left, height: bottom - top };
 }
 
+// Curves, ranges and labels of a motion come one after the other, and the figures paint them once.
+const held = new Set();
+let holdTimer = 0;
+export function hold(panes, longest) {
+  for (const pane of panes) {
+    if (held.has(pane) || !frame(pane)) continue;
+    views[pane].pause();
+    held.add(pane);
+  }
+  clearTimeout(holdTimer);
+  holdTimer = setTimeout(release, longest); // a box that is drawn meanwhile is painted too
+}
+
+export function release() {
+  for (const pane of held) views[pane].unpause();
+  held.clear();
+}
+
 function place(at, x, y) {
   const { x_range, y_range } = at.figure;
   const right = (x - x_range.start) / (x_range.end - x_range.start);
@@ -81,6 +99,19 @@ export function drawAll() {
   for (const pane of Object.keys(marks)) draw(pane);
 }
 
+// Ends of ranges come one by one, and the marks move once.
+const soon = new Set();
+function drawSoon(pane) {
+  if (soon.size === 0) {
+    requestAnimationFrame(() => {
+      const panes = [...soon];
+      soon.clear();
+      panes.forEach(draw);
+    });
+  }
+  soon.add(pane);
+}
+
 function valueAt(at, right, down) {
   const { x_range, y_range } = at.figure;
   return [
@@ -132,9 +163,7 @@ export function follow() {
     const inner = Bokeh.index.find_one(model(pane))?.el;
     if (inner) inner.tabIndex = -1;
     const { x_range, y_range } = model(pane);
-    for (const range of [x_range, y_range]) {
-      range.change.connect(() => requestAnimationFrame(() => draw(pane)));
-    }
+    for (const range of [x_range, y_range]) range.change.connect(() => drawSoon(pane));
     if (["history", "portrait"].includes(pane)) {
       overlay(pane).parentElement.addEventListener("dblclick", () => [x_range, y_range].forEach((range) => range.reset()));
     }
