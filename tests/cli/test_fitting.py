@@ -96,6 +96,13 @@ def flawed(ramp, tmp_path):
     return ["fit", *ramp, "--free", "k=0:2", *known, "--starts", "1"]
 
 
+def test_a_wrong_parameter_is_told_before_flaws_of_the_record(call, flawed):
+    result = call(*flawed, "--free", "q=0:1")
+    assert result.exit_code == 2
+    assert "unknown parameter 'q'" in result.stderr
+    assert "no reading" not in result.stderr
+
+
 def test_flaws_are_told_and_flawed_samples_left_out(call, flawed, tmp_path):
     """Of samples in steps of 0.04 those of 0.8 to 0.88 are missing, and 2.4 is a spike."""
     file = tmp_path / "f.nc"

@@ -153,6 +153,12 @@ def test_places_that_are_no_store(tmp_path):
     assert [p.name for p in (tmp_path / "mine").iterdir()] == ["thesis.tex"]
 
 
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="a folder that Linux has")
+def test_a_folder_that_takes_no_others():
+    with pytest.raises(OptionError, match="no folder can be made in '/proc'"):
+        Store.open("/proc/s", {}, 1)
+
+
 HOLD = """
 import sys
 from nonsmooth.runs.store import Store

@@ -38,19 +38,21 @@ _OF_TRANSIENTS = ("drift", "runaway")
 
 def fit(task: Task) -> None:
     """``nonsmooth fit``."""
+    from nonsmooth.fitting.channels import check_free
     from nonsmooth.fitting.fit import fit as verb
 
     _check(task)
     system = task.system
     task.refuse_fixed(settings(task["free"], "--free", "name=low:high"), "--free")
-    ranges = (value_limits(text, "--free") for text in task["free"])
+    ranges = dict(value_limits(text, "--free") for text in task["free"])
+    check_free(system, ranges)  # before anything is said of the record
     flaws: list[xr.Dataset] = []
     records, observe = _records(task, flaws)
     sensor: dict[str, Any] = {
         name: _by_channel(flag(own), task[own]) for name, own in _SENSOR.items()
     }
     found = verb(
-        system, records, dict(ranges), observe or None, by_record=_by_record(task), **sensor,
+        system, records, ranges, observe or None, by_record=_by_record(task), **sensor,
         **task.options("fit"),
     )  # fmt: skip
     report = Report(str(found.attrs["system_name"]))

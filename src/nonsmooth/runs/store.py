@@ -324,7 +324,12 @@ def _folder(path: str | Path) -> Path:
     folder = Path(path)
     try:
         folder.mkdir(exist_ok=True)
-    except FileNotFoundError:
+    except FileNotFoundError as fault:
+        if folder.parent.is_dir():  # as folders of the operating system say, which take no others
+            raise OptionError(
+                f"store = {str(path)!r}: no folder can be made in {str(folder.parent)!r}; choose"
+                " another place"
+            ) from None
         raise OptionError(
             f"store = {str(path)!r}: the folder {str(folder.parent)!r} does not exist; make it"
             " first"
