@@ -324,7 +324,7 @@ def _folder(path: str | Path) -> Path:
     folder = Path(path)
     try:
         folder.mkdir(exist_ok=True)
-    except FileNotFoundError as fault:
+    except FileNotFoundError:
         if folder.parent.is_dir():  # as folders of the operating system say, which take no others
             raise OptionError(
                 f"store = {str(path)!r}: no folder can be made in {str(folder.parent)!r}; choose"
