@@ -102,6 +102,17 @@ def test_part_of_the_run_is_drawn(call, drawn, tmp_path):
     assert later == pytest.approx((15 * period, 20 * period))
 
 
+def test_variables_of_two_units_have_axes_of_their_own(call, drawn, tmp_path):
+    """States and speeds in groups of one unit each, in the order in which they were asked for."""
+    (tmp_path / "m.toml").write_text(
+        'states = ["x", "v", "y"]\n[describe]\nx = "left [mm]"\nv = "speed [mm/s]"\n'
+        'y = "right [mm]"\n[equations]\nx = "v"\nv = "-x"\ny = "-y"\n'
+    )
+    file = tmp_path / "a.png"
+    assert call("simulate", tmp_path / "m.toml", "--draw", "x,v,y", "--plot", file).exit_code == 0
+    assert [names for names, _ in drawn] == [["x", "y"], ["v"]]
+
+
 def test_a_picture_is_drawn(call, tmp_path):
     result = call("simulate", "moling", "--plot", tmp_path / "a.pdf")
     assert result.exit_code == 0, result.stderr

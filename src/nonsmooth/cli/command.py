@@ -340,7 +340,8 @@ class Task:
         from nonsmooth.files import check_target
 
         self.entry, self.given, self.typed = entry, given, typed
-        self._picture: tuple[str, tuple[Any, ...], dict[str, Any]] | None = None
+        # functions of `nonsmooth.plot` with what they are given, one below the other
+        self._panels: list[tuple[str, tuple[Any, ...], dict[str, Any]]] = []
         self._animation: Any = None
         self.plot = _path(given.get("plot"))
         self.film = _path(given.get("animate"))
@@ -403,8 +404,11 @@ class Task:
         return {name: value for name, value in found.items() if name not in without}
 
     def picture(self, function: str, data: Any, *arguments: Any, **options: Any) -> None:
-        """Choose what --plot draws: a function of `nonsmooth.plot`, and what it is given."""
-        self._picture = function, (data, *arguments), options
+        """Choose what --plot draws: a function of `nonsmooth.plot`, and what it is given.
+
+        A further choice is drawn below the first one, over the same axis.
+        """
+        self._panels.append((function, (data, *arguments), options))
 
     def animation(self, run: xr.Dataset, **options: Any) -> None:
         """Make the film for --animate; what is wrong with it is told before the report."""
@@ -436,15 +440,8 @@ class Task:
         if kept is not None:
             self.say(f"saved {kept}")
         drawn = code != INTERRUPTED or result is None or all(result.sizes.values())
-        if self.plot is not None and self._picture is not None and drawn:
-            from nonsmooth import plot
-
-            function, arguments, options = self._picture
-            width, height = self.entry.size
-            figure, (ax,) = plot.print_figure(width=width, height=height)
-            getattr(plot, function)(*arguments, ax=ax, **options)
-            plot.save_figure(figure, self.plot)
-            self.say(f"drawn {self.plot}")
+        if self.plot is not None and self._panels and drawn:
+            self._draw(self.plot)
         if self.film is not None and self._animation is not None:
             from nonsmooth import plot
 
@@ -452,6 +449,20 @@ class Task:
             self.say(f"drawn {self.film}")
         if code:
             raise click.exceptions.Exit(code)
+
+    def _draw(self, file: Path) -> None:
+        from nonsmooth import plot
+
+        width, height = self.entry.size
+        rows = len(self._panels)
+        height *= 0.5 * (1 + rows)  # a further panel has half the height
+        figure, axes = plot.print_figure(rows, width=width, height=height, share_x=rows > 1)
+        for (function, arguments, options), ax in zip(self._panels, axes, strict=True):
+            getattr(plot, function)(*arguments, ax=ax, **options)
+        for ax in axes[:-1]:
+            ax.set_xlabel("")
+        plot.save_figure(figure, file)
+        self.say(f"drawn {file}")
 
     def _add_interruption(self, report: Report, message: str) -> None:
         """Say what is done, and how to go on where finished parts are kept."""
