@@ -46,7 +46,7 @@ ATTRACTOR = {
 }  # fmt: skip
 ORBIT = {
     **{name: MOTION[name] for name in STATES}, "time": S, "length": S, "residual": ONE,
-    "log_determinant": ONE, "durations": S, "leg_time": S, "leg_states": None,
+    "log_determinant": ONE, "durations": S, "leg_time": S, "leg_states": None, "strobes": None,
 }  # fmt: skip
 PICTURE = {
     **{name: MOTION[name] for name in STATES}, "length": S, "residual": ONE, "settled": None,

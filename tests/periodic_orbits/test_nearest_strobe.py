@@ -53,6 +53,19 @@ def test_every_strobe_of_an_orbit_is_told_from_itself(strobe):
         assert float(found[name]) == pytest.approx(start[name], abs=1e-12)
 
 
+def test_strobes_of_a_turn_are_those_of_the_motion():
+    """A run, which computes each period anew, meets them to rounding; drifts go on."""
+    for system, period in ((ns.models.soft_impact(), 5), (ns.models.moling(b=B), 2)):
+        orbit = ns.find_orbit(system, period=period)
+        run = ns.simulate(system, orbit, periods=period - 1, samples_per_period=1)
+        motion = np.column_stack([run[name].values for name in system.states])
+        np.testing.assert_allclose(orbit["strobes"].values, motion, rtol=0, atol=1e-12)
+
+
+def test_strobes_of_an_orbit_without_forcing_are_none():
+    assert "strobes" not in ns.find_orbit(ns.models.belt_oscillator())
+
+
 @pytest.mark.parametrize("later", range(5))
 def test_legs_of_a_later_strobe_solve_the_same_equations(later):
     """The rotated legs close without a step of Newton's method, at the strobe of the engine."""

@@ -176,6 +176,25 @@ def of(dataset, system, **attrs):
     return dataset.assign_attrs(system=system.to_toml(), **attrs)
 
 
+def test_over_a_diagram_each_strobe_of_an_orbit_has_its_curve():
+    one = saddle_node()
+    other = one["x"].values + 0.5
+    strobes = np.stack([one["x"].values, other], axis=1)[:, :, None]
+    one = one.assign(strobes=(("point", "strobe_of_turn", "state"), strobes))
+    one = one.assign_coords(state=["x"])
+
+    def heights(**options):
+        lines = ns.plot.branch(one, "x", **options).lines
+        return np.concatenate(
+            [np.asarray(li.get_ydata(), float) for li in lines if li.get_gid() == "branch 0"]
+        )
+
+    assert not np.isin(np.round(other, 9), np.round(heights(), 9)).any()
+    drawn = heights(diagram=diagram())
+    for each in (one["x"].values, other):
+        assert np.isin(np.round(each, 9), np.round(drawn, 9)).all()
+
+
 @pytest.mark.parametrize(
     ("system", "points", "words"),
     [

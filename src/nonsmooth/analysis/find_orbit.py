@@ -82,7 +82,9 @@ def find_orbit(
         ``multiplier``: where that is so half a turn later, the multipliers of half a turn followed
         by the symmetry, whose squares are the others; nan elsewhere. Over ``leg``: ``durations``,
         ``leg_mode``, ``leg_exit`` (exits passed at its end), ``leg_time`` (its start) and
-        ``leg_states``, the state there. Attributes: ``status``, ``message``, ``period``.
+        ``leg_states``, the state there. Where a forcing drives the system, ``strobes`` over
+        ``strobe_of_turn`` and ``state``: the state at the beginning of each period of the turn.
+        Attributes: ``status``, ``message``, ``period``.
 
     Raises
     ------

@@ -14,7 +14,7 @@ passed at once; ``over:k:g``, the impact that ends leg k throws over the surface
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -153,6 +153,7 @@ class Looked:
     tests: dict[str, float]
     other: tuple[OrbitEquations, Floats] | None = None  # with the rebounds that the engine follows
     reflection: Reflection | None = None  # under the declared symmetry
+    strobes: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # at each period of the turn
 
 
 def _shortest(wiring: Wiring, mode: int, k: int, word: Word) -> float:
@@ -250,7 +251,7 @@ class BranchTests:
             # else the word is about to change, and rounding decides what the engine finds
         looked = Looked(
             turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests,
-            other, reflection(equations, turn),
+            other, reflection(equations, turn), equations.strobes(turn),
         )  # fmt: skip
         if len(self._seen) >= _REMEMBERED:
             del self._seen[next(iter(self._seen))]

@@ -102,6 +102,24 @@ class OrbitEquations:
         """Unknowns as one vector."""
         return np.concatenate([turn.states.ravel(), turn.instants[1 : 1 + self.n_instants]])
 
+    def states_along(self, turn: Turn, times: Floats) -> Floats:
+        """States of an orbit at some times within its turn, (K, n)."""
+        legs = np.searchsorted(turn.instants[1:-1], times, side="right")
+        word = Word(tuple(self.word.modes[k] for k in legs), ((),) * times.size)
+        found = self.legs.follow_each(word, turn.states[legs], turn.instants[legs], times)
+        return found.ends.copy()
+
+    def strobes(self, turn: Turn) -> Floats:
+        """States at the beginning of each period of a driven orbit, (period, n).
+
+        Of an autonomous one only the first state of its turn.
+        """
+        first = turn.states[:1]
+        if self.autonomous or self.period == 1:
+            return first
+        times = turn.instants[0] + self.legs.window * np.arange(1, self.period)
+        return np.concatenate([first, self.states_along(turn, times)])
+
     def unpack(self, unknowns: Floats) -> Turn:
         """Unknowns as states and instants, for the parameter values of the legs."""
         n, count = self.legs.n, self._count

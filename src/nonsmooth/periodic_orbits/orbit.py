@@ -44,6 +44,7 @@ class Orbit:
     drifting: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
     in_family: bool = False  # whether cycles of other sizes lie beside it
     reflection: Reflection | None = None  # under the declared symmetry
+    strobes: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # at each period of the turn
 
     @property
     def length(self) -> float:
@@ -105,7 +106,7 @@ def make_orbit(
         equations.word, turn, end, legs.values.copy(), equations.period, equations.phase,
         equations.autonomous, legs.window, solution.residual, solution.iterations, multipliers,
         admissibility, primitive_parts(equations, turn), equations.drifting,
-        reflection=reflection(equations, turn),
+        reflection=reflection(equations, turn), strobes=equations.strobes(turn),
     )  # fmt: skip
 
 

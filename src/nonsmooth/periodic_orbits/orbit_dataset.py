@@ -93,7 +93,7 @@ def orbit_variables(
             "logarithm of the determinant of the tangent over one turn",
         ),
     }
-    variables |= _multipliers(orbits, dims, shape)
+    variables |= _multipliers(orbits, dims, shape) | _strobes(orbits, dims, n)
     if system.symmetry:
         variables["symmetric"] = each(
             number(lambda o: o.reflection is not None and o.reflection.symmetric, False),
@@ -110,6 +110,21 @@ def _multipliers(
     rows = [None if o is None else o.multipliers.multipliers for o in orbits]
     words = {"long_name": "multipliers, the largest first"}
     return {"multipliers": ((*dims, "multiplier"), _filled(rows, shape), words)}
+
+
+def _strobes(orbits: Sequence[Orbit | None], dims: tuple[str, ...], n: int) -> Columns:
+    """States at the beginning of each period of driven orbits."""
+    driven = [None if o is None or o.autonomous else o.strobes for o in orbits]
+    width = max((len(rows) for rows in driven if rows is not None), default=0)
+    if not width:
+        return {}
+    values = np.full((len(orbits), width, n), np.nan)
+    for filled, rows in zip(values, driven, strict=True):
+        if rows is not None:
+            filled[: len(rows)] = rows
+    words = {"long_name": "state at the beginning of each period of one turn"}
+    over = (*dims, "strobe_of_turn", "state")
+    return {"strobes": (over, values if dims else values[0], words)}
 
 
 def _half_multipliers(

@@ -67,14 +67,6 @@ def mirror_image(equations: OrbitEquations, turn: Turn) -> Guess | None:
     return None if image is None else Guess(image, Turn(mirror.states(turn.states), turn.instants))
 
 
-def _states_along(equations: OrbitEquations, turn: Turn, times: Floats) -> Floats:
-    """States of an orbit at some times within its turn, (K, n)."""
-    legs = np.searchsorted(turn.instants[1:-1], times, side="right")
-    word = Word(tuple(equations.word.modes[k] for k in legs), ((),) * times.size)
-    found = equations.legs.follow_each(word, turn.states[legs], turn.instants[legs], times)
-    return found.ends.copy()
-
-
 def _image_of_word(mirror: Mirror, word: Word) -> Word | None:
     """Images of modes and exits."""
     modes = tuple(mirror.modes[mode] for mode in word.modes)
@@ -90,7 +82,7 @@ def _begun_earlier(equations: OrbitEquations, turn: Turn) -> tuple[Turn, Word]:
     halves = period if period % 2 else 1
     cut = last - 0.5 * halves * equations.legs.window
     k = int(np.searchsorted(turn.instants[1:-1], cut, side="right"))
-    between = _states_along(equations, turn, np.array([cut]))
+    between = equations.states_along(turn, np.array([cut]))
     # what drifts has gone on by one turn where the legs before the cut come behind the others
     over = np.where(equations.drifting, _end(equations, turn) - turn.states[0], 0.0)
     if len(word) == 1:
@@ -181,8 +173,8 @@ def _is_own_image(
     equations: OrbitEquations, turn: Turn, later: float, matrix: Floats, offset: Floats
 ) -> bool:
     length = float(turn.instants[-1] - turn.instants[0])
-    now = _states_along(equations, turn, turn.instants[0] + _SHARES * length)
-    then = _states_along(equations, turn, turn.instants[0] + (_SHARES + later) * length)
+    now = equations.states_along(turn, turn.instants[0] + _SHARES * length)
+    then = equations.states_along(turn, turn.instants[0] + (_SHARES + later) * length)
     keep = ~equations.drifting
     images = now @ matrix.T + offset
     size = np.abs(np.concatenate([images, then, turn.states])).max(axis=0)[keep]

@@ -93,7 +93,7 @@ def branch(
     diagram : xarray.Dataset, optional
         Result of `bifurcation_diagram` of the same system over the same parameter, drawn behind as
         grey dots. Where ``y`` differs from point to point, as a state does, these are strobes at
-        the phase of the branch.
+        the phase of the branch, and an orbit of several periods has a point at each of them.
     special : bool, optional
         Whether to mark folds, flips, grazings and other special points.
     ax : matplotlib.axes.Axes, optional
@@ -173,14 +173,15 @@ def branch(
         across, x_label = quantity(one, x or parameter)
         up, y_label = quantity(one, y, leg)
         points = special_points(one)
-        places = (
-            points.value if x in (None, parameter) else points.between(across),
-            points.between(up),
-        )
-        curve = branch_curve(one, (across, up), points, places)
-        draw_curve(curve, ax, colours[name], drawn + k)
+        over = points.value if x in (None, parameter) else points.between(across)
+        # over strobes of settled motions, an orbit of several periods has several points
+        heights = [up] if diagram is None or x not in (None, parameter) else _strobes(one, y, up)
+        for each in heights:
+            places = over, points.between(each)
+            curve = branch_curve(one, (across, each), points, places)
+            draw_curve(curve, ax, colours[name], drawn + k)
+            marks.append((points.kinds_shown(one), *places))
         labels.append((x_label, y_label))
-        marks.append((points.kinds_shown(one), *places))
     _explain(ax, colours)
     top = np.inf
     if y == "multipliers":
@@ -193,6 +194,14 @@ def branch(
     if legend:
         place_legend(ax, may_grow=own)
     return ax
+
+
+def _strobes(branch: xr.Dataset, y: str, up: Any) -> list[Any]:
+    """A state at the beginning of each period of a turn; other variables as they are."""
+    if "strobes" not in branch or y not in branch["state"].values or f"{y}_per_period" in branch:
+        return [up]
+    values = branch["strobes"].sel(state=y).transpose("strobe_of_turn", "point").values
+    return [row for row in values if np.isfinite(row).any()]
 
 
 def _named(branches: Branches) -> dict[str, xr.Dataset]:

@@ -107,7 +107,7 @@ def bifurcation_picture(
     for k, branch in enumerate(branches_of(picture)):
         across, _ = quantity(branch, str(picture.attrs["parameter"]))
         points = special_points(branch)
-        for up in branch["strobes"].sel(state=y).transpose("turn", "point").values:
+        for up in branch["strobes"].sel(state=y).transpose("strobe_of_turn", "point").values:
             if np.isfinite(up).any():
                 places = points.value, points.between(up)
                 draw_curve(branch_curve(branch, (across, up), points, places), upper, "black", k)

@@ -97,7 +97,7 @@ def _orbit(options: BranchOptions, part: BranchPart) -> Orbit:
     return Orbit(
         part.word, looked.turn, looked.end, looked.values, options.period, options.phase,
         options.autonomous, looked.window, looked.residual, 0, looked.multipliers,
-        looked.admissibility, 1, drifting, reflection=looked.reflection,
+        looked.admissibility, 1, drifting, reflection=looked.reflection, strobes=looked.strobes,
     )  # fmt: skip
 
 

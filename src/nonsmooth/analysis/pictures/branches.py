@@ -165,10 +165,9 @@ class BranchCollector:
         """The branch with all points of its orbits on the map, as settled motions have them."""
         states = self._states(branch)
         strobes = np.full((len(states), self.longest, states.shape[1]), np.nan)
-        for k, (state, value) in enumerate(zip(states, branch[self.parameter].values, strict=True)):
-            found = self._strobes(state, float(value), _period(branch))
-            strobes[k, : len(found)] = found
-        return branch.assign(strobes=(("point", "turn", "state"), strobes))
+        strobes[:, : _period(branch)] = branch["strobes"].values
+        over = branch["strobes"].dims
+        return branch.drop_vars("strobes").assign(strobes=(over, strobes))
 
     def _states(self, branch: xr.Dataset) -> Floats:
         return np.column_stack([branch[name].values for name in self.chosen.system.states])
