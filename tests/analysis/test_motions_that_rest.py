@@ -233,3 +233,78 @@ def test_a_diagram_tells_rest():
     for start in ({"x": 0.1}, {"x": 1.0, "z": -1.0}):
         chua = ns.bifurcation_diagram(outer, "beta", [100 / 7], initial=start, transient=1000)
         assert np.all(chua["period"] == 1)
+
+
+TICKING = ns.System(
+    name="ticking tent",
+    states=["x", "tau"],
+    parameters={"a": 0.3},
+    initial={"x": 0.3},
+    period=1.0,
+    modes={
+        "wait": ns.Mode(
+            {"x": "0", "tau": "1"},
+            exits=[ns.Exit("1 - tau", reset={"x": "a*min(x, 1 - x)", "tau": "0"}, name="tick")],
+        )
+    },
+)
+
+
+@pytest.mark.parametrize("forcing", ["0", "0.2*x*cos(t)"])
+@pytest.mark.parametrize("start", ["restart", "follow up", "follow down"])
+def test_what_decays_to_zero_has_the_period_one_in_a_diagram(forcing, start):
+    """Without forcing, and with a forcing that acts on the displacement alone (Mathieu).
+
+    Multiplied over a period the damping takes more from a motion than the forcing can give:
+    exp(-2 pi c/2) beside exp(0.1 * 2 pi) at most.
+    """
+    system = ns.System(
+        states=["x", "v"],
+        parameters={"c": 0.4},
+        initial={"x": 1.0},
+        period="2*pi",
+        equations={"x": "v", "v": f"-x - c*v - x**3 + {forcing}"},
+    )
+    diagram = ns.bifurcation_diagram(system, "c", [0.4, 0.6, 1.0], start=start)
+    assert diagram["period"].values.ravel().tolist() == [1, 1, 1]
+
+
+def test_a_map_that_decays_to_zero_has_the_period_one_in_a_diagram():
+    """x -> a x below a = 1; above, the tent map stretches every distance by a, and is chaotic."""
+    diagram = ns.bifurcation_diagram(TICKING, "a", [0.3, 0.9, 1.5])
+    assert diagram["period"].values.ravel().tolist() == [1, 1, 0]
+
+
+@pytest.mark.parametrize(("a", "modulus"), [(3.2, 0.16), (3.5, 0.0304998), (3.83, 0.3298818)])
+def test_multipliers_where_a_clock_ticks_at_the_strobes(a, modulus):
+    """The logistic map by resets: of period two 4 + 2 a - a^2; others iterated by hand."""
+    clock = ns.System(
+        states=["x", "tau"],
+        parameters={"a": a},
+        initial={"x": 0.3},
+        period=1.0,
+        modes={
+            "wait": ns.Mode(
+                {"x": "0", "tau": "1"},
+                exits=[ns.Exit("1 - tau", reset={"x": "a*x*(1 - x)", "tau": "0"}, name="tick")],
+            )
+        },
+    )
+    x, product = 0.3, 1.0
+    for _ in range(5000):
+        x = a * x * (1.0 - x)
+    period = {3.2: 2, 3.5: 4, 3.83: 3}[a]
+    for _ in range(period):
+        product *= a * (1.0 - 2.0 * x)
+        x = a * x * (1.0 - x)
+    assert abs(product) == pytest.approx(modulus, abs=1e-6)
+    found = ns.regime(clock)
+    assert found["period"].item() == period
+    assert float(found["multiplier_modulus"][0]) == pytest.approx(abs(product), abs=1e-9)
+
+
+def test_chaos_where_a_clock_ticks_at_the_strobes():
+    """The tent map's exponent is log a."""
+    found = ns.regime(TICKING, parameters={"a": 1.9})
+    assert found["regime"].item() == "chaotic"
+    assert float(found["exponent"]) == pytest.approx(np.log(1.9), abs=1e-9)

@@ -126,3 +126,44 @@ def test_a_run_with_tangents_is_saved_whole(case, runs, tmp_path):
     run.to_netcdf(tmp_path / "run.nc")
     with xr.open_dataset(tmp_path / "run.nc") as loaded:
         assert loaded.identical(run)
+
+
+@pytest.mark.parametrize("curved", ["", " + 0*x**3"])
+def test_a_start_on_a_wall_that_throws_it_at_once(curved):
+    """Starts beside the wall meet it a little later: differences of the closed form tell.
+
+    A ball at the height h with the speed v < 0 and no gravity, h = 0: thrown up with -r v at once.
+    From h > 0 it flies h/|v| first, so x(t) = -r v (t + h/v) and dx/dh = -r, dx/dv = -r t.
+    """
+    ball = ns.System(
+        states=["x", "v"],
+        parameters={"r": 0.8},
+        modes={
+            "flight": ns.Mode(
+                {"x": f"v{curved}", "v": "0"},
+                exits=[ns.Exit("x", reset={"v": "-r*v"}, name="impact")],
+            )
+        },
+    )
+    run = ns.simulate(ball, {"x": 0.0, "v": -1.5}, times=[0.0, 2.0], tangent=True)
+    expected = [[-0.8, -0.8 * 2.0], [0.0, -0.8]]
+    np.testing.assert_allclose(run["tangent"].values[-1], expected, atol=1e-13)
+    np.testing.assert_allclose(run["sensitivity"].values[-1].ravel(), [3.0, 1.5], atol=1e-13)
+
+
+def test_a_start_at_the_tick_of_a_clock():
+    """The flow keeps its own rate: M f(x0) = f(x(t)), here (0, 1) for both."""
+    clock = ns.System(
+        states=["x", "tau"],
+        parameters={"T": 1.0},
+        modes={
+            "wait": ns.Mode(
+                {"x": "0", "tau": "1"},
+                exits=[ns.Exit("T - tau", reset={"x": "3*x", "tau": "0"}, name="tick")],
+            )
+        },
+    )
+    run = ns.simulate(clock, {"x": 0.3, "tau": 1.0}, times=[1.3], tangent=True)
+    np.testing.assert_allclose(run["tangent"].values[-1], [[9.0, 0.0], [0.0, 1.0]], atol=1e-13)
+    # tau(1.3) = tau0 + 1.3 - 2 T, of starts below the tick
+    np.testing.assert_allclose(run["sensitivity"].values[-1].ravel(), [0.0, -2.0], atol=1e-13)

@@ -46,25 +46,44 @@ class _Judged:
         self._period[self._resting()] = 1
 
     def _resting(self) -> Bools:
-        """Which motions that nothing drives have come to rest, (K,): rounding has other periods."""
+        """Which motions have died away, or without forcing come to rest, (K,).
+
+        What decays to zero repeats to no part of its own size, and rounding has other periods.
+        """
         recorded, group, match = self._recorded, self._group, self._protocol.match
         still, found = ~self._protocol.drifting, np.zeros(self._period.size, bool)
         open_yet = self._done & (self._period != 1)
-        if not np.any(open_yet) or not np.any(still) or is_driven(group.runner.tables(0)):
+        if not np.any(open_yet) or not np.any(still):
             return found
+        driven = is_driven(group.runner.tables(0))
         states, tangents = recorded.states[..., still], IntervalTangents(group)
-        ranges, sizes = np.ptp(states, axis=1), np.abs(states).max(axis=1)
+        begun = self._begun()[:, still]
+        ranges, largest = np.ptp(states, axis=1), np.abs(states).max(axis=1)
+        sizes, left = np.maximum(largest, begun), largest if driven else ranges
         first = np.full(open_yet.size, -recorded.states.shape[1])
         events, _ = self._passed.counts(self._passed.between(first))
-        for i in np.flatnonzero(open_yet & np.any(ranges <= match * sizes, axis=1)).tolist():
+        # states that began with a size say whether it may be so, their rates afterwards
+        faded = np.any(begun > 0.0, axis=1) & np.all(
+            (left <= match**2 * sizes) | (begun == 0.0), axis=1
+        )
+        maybe = faded | (np.any(ranges <= match * sizes, axis=1) & (not driven))
+        for i in np.flatnonzero(open_yet & maybe).tolist():
             instant = Instant(int(recorded.numbers[i, -1]), float(recorded.phases[i, -1]))
             strobe = Strobe(recorded.states[i, -1], int(recorded.modes[i, -1]), instant)
             block_over = partial(tangents.over_part, i, strobe)
             natural = natural_sizes(sizes[i], block_over)
-            found[i] = comes_to_rest(
-                states[i], ranges[i], natural, block_over(1.0), match, passes=events[i] > 0
-            )
+            found[i] = faded[i] and bool(np.all(left[i] <= match**2 * natural))
+            if not driven and not found[i]:
+                found[i] = comes_to_rest(
+                    states[i], ranges[i], natural, block_over(1.0), match, passes=events[i] > 0
+                )
         return found
+
+    def _begun(self) -> Floats:
+        """Sizes of the states at the start of each motion, (K, n)."""
+        n = self._recorded.states.shape[2]
+        states = [np.zeros(n) if each is None else each.state for each in self._group.starts]
+        return np.nan_to_num(np.abs(np.array(states)))  # a state that is left out begins at rest
 
     def looks(self) -> list[Look]:
         """A look for each motion."""

@@ -122,8 +122,21 @@ class Transition {
 
     void scale_of(Index m) const { fill_scale(tables_, m, z(), duration_, scale()); }
 
+    // Take the columns to the surface of an exit that is met in time.
+    void start_columns_at(Index m, Index e) {
+        start_saltation(tables_, rates_, segment_, tangent_, m, e);
+        shifted_ = true;
+    }
+
     void end_columns(Index m) const {
-        if (carries() && first_exit_ >= 0) end_saltation(tables_, segment_, tangent_, m);
+        if (shifted_) end_saltation(tables_, segment_, tangent_, m);
+    }
+
+    // Whether a start lies on a guard that throws it at once. Starts beside it meet the guard a little
+    // later, and those behind it are none, so their differences are those of an event.
+    bool starts_on_guard(Index m, Index e) const {
+        return passage_.passes == 0 && first_exit_ < 0 && e < mode_wiring(tables_, m).n_exits &&
+               segment_.order[e] == 1 && !is_empty(exit_wiring(tables_, m, e).resetting);
     }
 
     // Bring all that belongs to the mode up to date before its exit is passed, or at a start; false
@@ -154,7 +167,7 @@ class Transition {
         if (e_ < 0) {
             if (carries()) relate_columns(tables_, rates_, segment_, tangent_, m);
         } else if (carries()) {
-            start_saltation(tables_, rates_, segment_, tangent_, m, e_);
+            start_columns_at(m, e_);
         }
         return true;
     }
@@ -172,6 +185,7 @@ class Transition {
             rebound.push_before = guard_terms(tables_, m, e, 2, z(), extent()).value;
         }
         first_rate_ = std::max(first_rate_, std::fabs(rebound.arrival));
+        if (carries() && starts_on_guard(m, e)) start_columns_at(m, e);
         if (passage_.passes < PATH_LENGTH) {
             passage_.path |= (e + 1) << (PATH_BITS * passage_.passes);
         }
@@ -456,6 +470,7 @@ class Transition {
     double tolerance_;       // part of the terms of a guard that is zero
     bool is_sharp_ = false;  // behind a circle: values alone say what is zero, and to rounding
     const bool curved_;  // rows of curved modes hold at a point: free directions go along
+    bool shifted_ = false;  // whether columns are those on the surface of the first exit
     bool followed_;      // whether the basis holds the directions left free by the path so far
     Index e_;            // exit that fires
     Index spell_ = 1;    // numbers the times spent in one mode and its cells
