@@ -229,3 +229,35 @@ def test_no_fold_beside_rebounds_of_a_ball():
     branch = ns.continue_orbit(ball, "A", (3e-4, 1.2e-3), initial=ns.find_orbit(ball))
     folds = branch["special_kind"].values == "fold"
     assert np.all(np.abs(branch["special_multiplier"].values[folds] - 1.0) < 1e-3)
+
+
+def test_a_closed_branch_ends_where_it_began():
+    """A mass between two moving stops: each change is told once, and the last orbit is the first.
+
+    The branch begins in the middle of a stretch of one word.
+    """
+    stops = {"reset": {"v": "-r*v + (1 + r)*cos(t)"}}
+    rattle = ns.System(
+        states=["y", "v"],
+        period="2*pi",
+        parameters={"b": 0.6, "r": 0.7, "c": 0.1},
+        modes={
+            "free": ns.Mode(
+                {"y": "v", "v": "-c*v - 0.05"},
+                exits=[
+                    ns.Exit("b - (y - sin(t))", sticks="up", name="drive", **stops),
+                    ns.Exit("b + (y - sin(t))", sticks="down", name="back", **stops),
+                ],
+            )
+        },
+    )
+    branch = ns.continue_orbit(rattle, "b", (0.2, 1.0))
+    assert branch.attrs["end_last"] == "closed"
+    last, first = branch.isel(point=-1), branch.isel(point=0)
+    for name in ("b", "y", "v"):
+        assert float(last[name]) == float(first[name])
+    kinds, values = branch["special_kind"].values[:-1], branch["special_value"].values[:-1]
+    told = list(zip(kinds.tolist(), np.round(values, 7).tolist(), strict=True))
+    assert len(told) == len(set(told)) >= 4
+    folds = sorted(value for kind, value in told if kind == "fold")
+    assert len(folds) % 2 == 0  # the parameter comes back to where it was

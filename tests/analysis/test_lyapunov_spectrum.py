@@ -278,3 +278,17 @@ def test_slow_parameters_are_refused():
     )
     with pytest.raises(ns.OptionError, match=r"slow= varies 'omega'"):
         ns.lyapunov_spectrum(system)
+
+
+def test_a_run_that_ends_early_tells_when():
+    """A ball from the height 1 with r = 1/2 has come to rest after 3 sqrt(2), by a sum of falls."""
+    ball = ns.System(
+        states=["h", "u"],
+        modes={
+            "flight": ns.Mode(
+                {"h": "u", "u": "-1"}, exits=[ns.Exit("h", reset={"u": "-0.5*u"}, name="impact")]
+            )
+        },
+    )
+    with pytest.warns(ns.RunWarning, match=r"event_limit at t = 4\.2426406"):
+        ns.lyapunov_spectrum(ball, {"h": 1.0})

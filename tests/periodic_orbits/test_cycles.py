@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
 from periodic_orbits.references import cycles
@@ -81,3 +82,40 @@ def test_a_cycle_starts_again_where_it_is_reported():
     assert run.attrs["n_events"] == 6
     late = run["event_time"].values
     assert abs((late[-1] - late[-3]) / length - 1) < 1e-10
+
+
+def test_a_valve_that_strikes_its_seat_once_in_a_turn():
+    """A turn in which a short stretch looks like a cycle without events, which is no motion.
+
+    One turn from the orbit closes by DOP853 with the impact found between its steps.
+    """
+    values = {"kap": 1.25, "delta": 10.0, "beta": 20.0, "q": 6.2, "r": 0.8}
+    valve = ns.System(
+        states=["x", "v", "p"],
+        parameters=values,
+        initial={"x": 1.0, "v": 0.0, "p": 11.0},
+        modes={
+            "open": ns.Mode(
+                {"x": "v", "v": "p - delta - x - kap*v", "p": "beta*(q - x*sqrt(p))"},
+                exits=[ns.Exit("x", reset={"v": "-r*v"}, sticks="seat", name="impact")],
+            )
+        },
+    )
+    for options in ({}, {"word": "open open"}):
+        orbit = ns.find_orbit(valve, **options)
+        assert orbit.attrs["status"] == "completed"
+        assert orbit["leg_exit"].values.tolist() == ["impact"]
+    start = orbit["leg_states"].values[0]
+
+    def rates(t, y):
+        x, v, p = y
+        return [v, p - 10.0 - x - 1.25 * v, 20.0 * (6.2 - x * np.sqrt(p))]
+
+    def seat(t, y):
+        return y[0]
+
+    seat.direction, seat.terminal = -1.0, True
+    turn = solve_ivp(rates, (0.0, 6.0), start, method="DOP853", events=seat, rtol=1e-12, atol=1e-13)
+    x, v, p = turn.y[:, -1]
+    assert turn.t[-1] == pytest.approx(float(orbit["length"]), abs=1e-9)
+    np.testing.assert_allclose([0.0, -0.8 * v, p], start, atol=1e-8)

@@ -383,9 +383,33 @@ def both_ways(
                 interrupted = True
                 break
             if found[way][1].ended == "closed":
+                _end_at_start(parts)
                 break
     parts, said = _joined(found, interrupted)
     return options, parts, said
+
+
+def _end_at_start(parts: list[BranchPart]) -> None:
+    """Leave out what a closed branch passes for a second time.
+
+    It is known to be closed where it begins a stretch of one word as it did before; the first
+    stretch, in the middle of which it may have begun, is passed again until there.
+    """
+    start = parts[0]
+    after = next((k for k, part in enumerate(parts) if part.word != start.word), None)
+    if after is None or parts[-1].special == "closed":
+        return
+    alike = [k for k, part in enumerate(parts) if part.word == start.word]
+    places = np.array([[*parts[k].looked.turn.states[0], parts[k].value] for k in alike])
+    size = np.ptp(places, axis=0)
+    places = (places - places[0]) / np.where(size > 0.0, size, 1.0)
+    again = [i for i, k in enumerate(alike) if k > after]
+    if not again or len(alike) < 2:
+        return
+    nearest = min(again, key=lambda i: float(np.abs(places[i]).max()))
+    beyond = float(places[nearest] @ places[1]) > 0.0  # the way that the branch has begun
+    del parts[alike[nearest] + (not beyond) :]
+    parts.append(replace(start, special="closed", arclength=parts[-1].arclength))
 
 
 def _primitive(

@@ -70,11 +70,15 @@ def search_orbit(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
         " the stretch that is looked at; begin nearer to the cycle, or give transient=",
     )  # fmt: skip
     try:
+        best: OrbitResult | None = None
         for guess in _guesses(wanted, legs):
             found = solve_guess(wanted, legs, guess)
-            if found.orbit is not None:
-                found = _near_start(wanted, legs, found)
+            best = _better(best, found)
+            if found.status == "completed":
                 break
+        found = best or found
+        if found.orbit is not None:
+            found = _near_start(wanted, legs, found)
     except RunError as fault:
         return known or OrbitResult(None, None, fault.status or "no_orbit", str(fault))
     return known if known is not None and found.orbit is None else found
@@ -317,16 +321,11 @@ def _search_word(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
     """Stretches of motions first, then random durations; motions before constructions."""
     best: OrbitResult | None = None
     autonomous = is_autonomous(legs)
-    if not autonomous:
-        guesses = guesses_in_motion(
-            wanted.system, wanted.initial, list(wanted.words), period=wanted.period,
-            phase=wanted.phase, periods=_PERIODS + wanted.transient, tolerance=wanted.tolerance,
-        )  # fmt: skip
-        for guess in islice(guesses, _STRETCHES):
-            found = solve_guess(wanted, legs, guess)
-            if found.status == "completed":
-                return found
-            best = _better(best, found)
+    for guess in islice(_guesses_of_word(wanted, legs), _STRETCHES):
+        found = solve_guess(wanted, legs, guess)
+        if found.status == "completed":
+            return found
+        best = _better(best, found)
     length = wanted.period * legs.window
     origin = np.array([wanted.system.rest_state[name] for name in wanted.system.states])
     for word in wanted.words:
@@ -360,10 +359,30 @@ def _search_word(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
     )  # fmt: skip
 
 
+def _guesses_of_word(wanted: OrbitRequest, legs: Legs) -> Iterator[Guess]:
+    """Stretches of a motion that follow one of the words that are wanted."""
+    if not is_autonomous(legs):
+        yield from guesses_in_motion(
+            wanted.system, wanted.initial, list(wanted.words), period=wanted.period,
+            phase=wanted.phase, periods=_PERIODS + wanted.transient, tolerance=wanted.tolerance,
+        )  # fmt: skip
+        return
+    wiring = legs.tables.wiring
+    known = {(word.modes, word.paths) for word in (each.collapsed(wiring) for each in wanted.words)}
+    try:
+        for guess in _guesses(wanted, legs):
+            seen = guess.word.collapsed(wiring)
+            if (seen.modes, seen.paths) in known:
+                yield guess
+    except RunError:  # the motion ends, and random durations are left
+        return
+
+
 def _better(best: OrbitResult | None, found: OrbitResult) -> OrbitResult | None:
-    if found.orbit is None:
+    """The first motion, else the first construction."""
+    if found.orbit is None or (best is not None and best.status == "completed"):
         return best
-    return found if best is None or best.orbit is None else best
+    return found if best is None or found.status == "completed" else best
 
 
 def _failure(wanted: OrbitRequest, equations: OrbitEquations, solution: Solution) -> str:

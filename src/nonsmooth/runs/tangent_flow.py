@@ -33,7 +33,7 @@ from nonsmooth.engine.tables import Tables
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.event_log import FIRST_CAPACITY
 from nonsmooth.runs.impacts import Impacts, happened
-from nonsmooth.runs.runner import Derivatives, NoMode
+from nonsmooth.runs.runner import Derivatives, NoMode, last_instant
 
 __all__ = ["Saved", "TangentFlow"]
 
@@ -122,6 +122,11 @@ class TangentFlow:
     def here(self) -> Instant:
         """Instant of the anchor."""
         return Instant(self.anchor.number, self.anchor.phase)
+
+    @property
+    def reached(self) -> Instant:
+        """Instant that the last piece has come to, also where it ended early."""
+        return last_instant(self.anchor, self._many)
 
     @property
     def mode(self) -> int:

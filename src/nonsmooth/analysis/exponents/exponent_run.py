@@ -120,7 +120,7 @@ def run_exponents(
         n_impacts=last[1] - first[1],
         n_uncertain=last[2] - first[2],
         n_estimated=last[3] - first[3],
-        end_time=flow.here.time(flow.window),
+        end_time=(growth.ended or flow.here).time(flow.window),
         end=ends[-1] if ends else start.instant,
         end_state=flow.end_state.copy(),
         end_mode=flow.mode,

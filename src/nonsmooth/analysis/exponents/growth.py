@@ -43,6 +43,7 @@ class Growth:
 
     def __init__(self, flow: TangentFlow, count: int, seed: int) -> None:
         self.flow = flow
+        self.ended: Instant | None = None  # where the run has ended early
         self._tangent = allocate_columns(flow.tables.sizes, count, 0, measures=True)
         # any directions but the axes, which may belong to invariant subspaces
         self._generator = np.random.default_rng(seed)
@@ -72,6 +73,7 @@ class Growth:
         before = _Before(self.flow.save(), self._tangent.columns.copy(), self.at_anchor)
         status, rows = self._run(ends)
         if status != Status.COMPLETED:
+            self.ended = self.flow.reached
             self.flow.restore(before.flow)
             self._tangent.columns[:], self._tangent.growth[:] = before.columns, before.growth
             if len(rows):
