@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -35,7 +35,8 @@ class Bearing:
         function of the speed that returns a number or an array of k by k.
     speeds : array_like, optional
         Speeds of the tables in rad/s, increasing. A cubic spline goes through the values; of two
-        speeds a line, of three a parabola.
+        speeds a line, of three a parabola. Of a function the first and the last one are those
+        between which it may be used.
     name : str, optional
         What messages call it.
 
@@ -168,6 +169,41 @@ class Bearing:
             times(self.stiffness, stiffness),
             times(self.damping, damping),
             speeds=None if self.speeds is None else self.speeds * speed,
+            name=self.name,
+        )
+
+    def at(self, places: Sequence[int]) -> Bearing:
+        """The bearing between some of its coordinates, while the others do not move.
+
+        Parameters
+        ----------
+        places : sequence of int
+            Places of these coordinates among those of the bearing.
+
+        Returns
+        -------
+        Bearing
+            With the rows and columns of these.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> ns.structures.Bearing(["2x", "2y"], [[5.0, 1.0], [1.0, 6.0]]).at([1]).stiffness
+        array([[6.]])
+        """
+        size = len(self.coordinates)
+        rows, columns = np.ix_(places, places)
+
+        def part(given: Any) -> Any:
+            if callable(given):
+                return lambda speed: _spread(given(speed), size)[rows, columns]
+            return _spread(given, size)[..., rows, columns]
+
+        return Bearing(
+            [self.coordinates[i] for i in places],
+            part(self.stiffness),
+            part(self.damping),
+            speeds=self.speeds,
             name=self.name,
         )
 

@@ -10,14 +10,22 @@ from typing import Any, NamedTuple
 from nonsmooth.errors import ModelError, NonsmoothError, OptionError, unknown_name
 from nonsmooth.real_numbers import shown
 
-__all__ = ["Plane", "coordinate_names", "is_rotation", "node_plane", "place_of", "places_of",
-           "planes"]  # fmt: skip
+__all__ = [
+    "Plane",
+    "coordinate_names",
+    "direction_of",
+    "is_rotation",
+    "node_plane",
+    "place_of",
+    "places_of",
+    "planes",
+]
 
-_NAME = re.compile(r"(?P<node>.*?)(?P<space>\s*)(?P<direction>r?[xyz])")
+_NAME = re.compile(r"(?P<node>.*?)(?P<space>[\s_.:-]*)(?P<direction>r?[xyz])")
 
 
 class Plane(NamedTuple):
-    """The displacements of one node in x and y, by their places; a shaft turns from x to y."""
+    """Two coordinates of one node, in x and y, by their places; a shaft turns from x to y."""
 
     node: str
     x: int
@@ -53,19 +61,24 @@ def _parted(name: str) -> tuple[str, str]:
     return found["node"], found["direction"]
 
 
+def direction_of(name: str) -> str:
+    """Direction that a name ends with, ``x y z rx ry rz``; nothing where it ends otherwise."""
+    return _parted(name)[1]
+
+
 def is_rotation(name: str) -> bool:
     """Whether a coordinate is an angle, which the last letters of its name say."""
     return _parted(name)[1].startswith("r")
 
 
-def planes(names: Sequence[str]) -> list[Plane]:
-    """Nodes that have displacements in both x and y, in order."""
+def planes(names: Sequence[str], kind: str = "") -> list[Plane]:
+    """Nodes that have displacements in both x and y, in order; of kind ``r``, their rotations."""
     place = {name: i for i, name in enumerate(names)}
     found = []
     for name in names:
         node, direction = _parted(name)
         other = f"{name[:-1]}y"
-        if direction == "x" and other in place:
+        if direction == f"{kind}x" and other in place:
             found.append(Plane(node, place[name], place[other]))
     return found
 
@@ -74,7 +87,7 @@ def node_plane(node: Any, names: Sequence[str], where: str) -> Plane:
     """The x and y of one node, given by its name or number."""
     known = planes(names)
     for each in known:
-        if not isinstance(node, bool) and str(node) == each.node:
+        if not isinstance(node, bool) and each.node in (str(node), f"node {node}"):
             return each
     raise OptionError(
         f"{where}: {unknown_name('node', node, [each.node for each in known])}; nodes are what"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -238,6 +238,52 @@ class Structure:
         1
         """
         return place_of(name, self.coordinates, "name")
+
+    def fixed(self, coordinates: Any) -> Structure:
+        """The structure with some coordinates that do not move, as at a rigid support.
+
+        Parameters
+        ----------
+        coordinates : str, int or list of these
+            Those that stay at zero.
+
+        Returns
+        -------
+        Structure
+            Without them; bearings keep what acts on the others.
+
+        Raises
+        ------
+        OptionError
+            When there is no such coordinate.
+        ModelError
+            When no coordinate is left.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> beam = ns.structures.shaft([ns.structures.Beam(1.0, 0.05)])
+        >>> beam.fixed(["0x", "0y", "0rx", "0ry"])
+        Structure(4 coordinates: 1x, 1y, 1rx, 1ry)
+        """
+        still = set(places_of(coordinates, self.coordinates, "coordinates"))
+        kept = [i for i in range(self.size) if i not in still]
+        if not kept:
+            raise ModelError("coordinates: all are fixed; leave at least one")
+        bearings = []
+        for each in self.bearings:
+            places = places_of(each.coordinates, self.coordinates, "bearings")
+            moving = [i for i, place in enumerate(places) if place not in still]
+            if moving:
+                named = replace(
+                    each, coordinates=tuple(self.coordinates[place] for place in places)
+                )
+                bearings.append(named.at(moving))
+        return Structure(
+            **{name: getattr(self, name)[kept][:, kept] for name in MATRICES},
+            coordinates=tuple(self.coordinates[i] for i in kept),
+            bearings=tuple(bearings),
+        )
 
     @checked
     def at_speed(self, speed: float) -> tuple[Matrix, Matrix, Matrix]:
