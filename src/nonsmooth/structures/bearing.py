@@ -209,7 +209,8 @@ class Bearing:
 
     @property
     def _called(self) -> str:
-        return f"bearing {self.name or 'at ' + ', '.join(map(str, self.coordinates))}"
+        where = ", ".join(map(str, self.coordinates))
+        return f"bearing {self.name!r}" if self.name else f"bearing at {where}"
 
 
 def _speeds(given: Any) -> npt.NDArray[np.float64] | None:

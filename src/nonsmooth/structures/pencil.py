@@ -38,9 +38,8 @@ def computing_form(structure: Structure) -> Structure:
     from scipy.sparse import csc_array
 
     kind = csc_array if sparse else dense
-    matrices = {name: kind(getattr(structure, name)) for name in MATRICES}
-    others: dict[str, Any] = {"coordinates": structure.coordinates, "bearings": structure.bearings}
-    return Structure(**matrices, **others)
+    matrices: dict[str, Any] = {name: kind(getattr(structure, name)) for name in MATRICES}
+    return Structure(**matrices, coordinates=structure.coordinates, bearings=structure.bearings)
 
 
 class Pencil:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable
 from dataclasses import InitVar, dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -186,6 +186,66 @@ class Structure:
             bearings=bearings,
             units=units,
         )
+
+    @classmethod
+    @checked
+    def from_ross(
+        cls,
+        rotor: Any,
+        *,
+        coordinates: Literal["lateral", "all"] = "lateral",
+        tables: Literal["spline", "ross"] = "spline",
+    ) -> Structure:
+        """Take over a rotor that was described for ROSS, a library of rotor dynamics.
+
+        Parameters
+        ----------
+        rotor : ross.Rotor
+            The rotor.
+        coordinates : {"lateral", "all"}, optional
+            Whether to leave out axial motion and torsion, which a shaft is free to make.
+        tables : {"spline", "ross"}, optional
+            What goes through the coefficients of bearings that depend on the speed: the spline
+            of `Bearing`, through each of them, or that of ROSS.
+
+        Returns
+        -------
+        Structure
+            With coordinates ``0x 0y 0z 0rx 0ry 0rz 1x ...`` by node and direction, of which
+            ``lateral`` has no z and rz, and the bearings and seals as its bearings.
+
+        Raises
+        ------
+        ModelError
+            When the object is no rotor of ROSS 2 or later, or lateral motion is coupled with the
+            rest, as by gears.
+
+        Notes
+        -----
+        M, C, G and K are those of ROSS without its bearings. The mass of a bearing is added to M.
+
+        ROSS smooths coefficients: the sum of the squares of what its spline is off may be as large
+        as the number of speeds, in N/m and N s/m. For dampings of some hundred this is seen, and
+        there ``"ross"`` gives what ROSS computes with.
+
+        Needs ``ross-rotordynamics``, which the extra ``ross`` installs.
+
+        References
+        ----------
+        R. Timbó, R. Martins, G. Bachmann, F. Rangel, J. Mota, J. Valério and T. G. Ritto, "ROSS -
+        Rotordynamic Open Source Software", Journal of Open Source Software 5 (2020), 2120.
+
+        Examples
+        --------
+        ::
+
+            import ross
+
+            structure = ns.Structure.from_ross(ross.rotor_example())
+        """
+        from nonsmooth.structures.ross import parts_of
+
+        return cls(**parts_of(rotor, coordinates, tables))
 
     @property
     def size(self) -> int:
