@@ -5,13 +5,13 @@ Matrices in, datasets out: natural modes, Campbell diagrams, responses. Nothing 
 
 from __future__ import annotations
 
+from nonsmooth.structures.assembly import shaft
 from nonsmooth.structures.beam import Beam, Disc
 from nonsmooth.structures.bearing import Bearing
-from nonsmooth.structures.campbell import campbell
+from nonsmooth.structures.critical_speeds import campbell
 from nonsmooth.structures.locus import root_locus
 from nonsmooth.structures.modes import natural_modes
 from nonsmooth.structures.response import frequency_response, static_deflection
-from nonsmooth.structures.shaft import shaft
 from nonsmooth.structures.structure import Structure
 from nonsmooth.structures.unbalance import unbalance_response
 

@@ -11,7 +11,7 @@ import xarray as xr
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.real_numbers import finite_numbers, whole_number
-from nonsmooth.structures.campbell import speeds_of
+from nonsmooth.structures.critical_speeds import speeds_of
 from nonsmooth.structures.following import follow
 from nonsmooth.structures.modes import eigenvalue_variables
 from nonsmooth.structures.pencil import Pencil, computing_form

@@ -12,8 +12,8 @@ import xarray as xr
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.real_numbers import finite_real, shown
-from nonsmooth.structures.campbell import speed_axis, speeds_of
 from nonsmooth.structures.coordinates import Plane, node_plane, place_of, planes
+from nonsmooth.structures.critical_speeds import speed_axis, speeds_of
 from nonsmooth.structures.pencil import Pencil, computing_form
 from nonsmooth.structures.structure import Structure
 from nonsmooth.structures.whirl import whirl_parts
