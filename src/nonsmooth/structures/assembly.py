@@ -82,7 +82,7 @@ def shaft(
     >>> rotor
     Structure(28 coordinates: 0x, 0y, 0rx, 0ry, 1x, 1y, ...; 2 bearings)
     """
-    if not elements:
+    if len(elements) == 0:
         raise ModelError("elements: there is none; give at least one Beam")
     per = len(_PER_NODE)
     size = per * (len(elements) + 1)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError
 from nonsmooth.real_numbers import finite_real, whole_number
 
@@ -297,6 +298,7 @@ class Disc:
             )
 
     @classmethod
+    @checked
     def from_geometry(
         cls,
         node: int,
@@ -323,6 +325,11 @@ class Disc:
         -------
         Disc
 
+        Raises
+        ------
+        ModelError
+            When a size is not possible.
+
         Examples
         --------
         >>> import nonsmooth as ns
@@ -330,9 +337,11 @@ class Disc:
         >>> round(disc.mass, 3), round(disc.polar_inertia, 5)
         (32.757, 0.33125)
         """
+        if not width > 0.0:
+            raise ModelError(f"width = {width:g} must be positive")
         whole = Beam(width, diameter, inner_diameter, density=density)
-        squares = (whole.diameter**2 + whole.inner_diameter**2) / 8.0
-        across = whole.mass * (squares / 2.0 + whole.length**2 / 12.0)
+        squares = (diameter**2 + inner_diameter**2) / 8.0
+        across = whole.mass * (squares / 2.0 + width**2 / 12.0)
         return cls(node, whole.mass, across, whole.mass * squares)
 
     def mass_matrix(self) -> Array:

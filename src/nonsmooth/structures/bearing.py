@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.real_numbers import finite_numbers, shown
+from nonsmooth.structures.coordinates import places_of
 
 __all__ = ["Bearing"]
 
@@ -136,6 +137,7 @@ class Bearing:
             )
         return self._stiffness_at(float(speed)), self._damping_at(float(speed))  # type: ignore[attr-defined]  # set where it is made
 
+    @checked
     def scaled(self, stiffness: Any, damping: Any, speed: float = 1.0) -> Bearing:
         """The bearing with other numbers, as in other units.
 
@@ -151,6 +153,11 @@ class Bearing:
         Bearing
             Its coefficients, tables and functions in the new units.
 
+        Raises
+        ------
+        OptionError
+            When factors do not fit.
+
         Examples
         --------
         >>> import nonsmooth as ns
@@ -158,11 +165,18 @@ class Bearing:
         array([[50000.]])
         """
         size = len(self.coordinates)
+        stiffness = finite_numbers("stiffness", stiffness)
+        damping = finite_numbers("damping", damping)
+        for name, factor in (("stiffness", stiffness), ("damping", damping)):
+            if factor.shape not in ((), (size, size)):
+                raise OptionError(f"{name} has shape {factor.shape}; give one, or {size} x {size}")
+        if not speed > 0.0:
+            raise OptionError(f"speed = {speed:g} must be positive")
 
         def times(part: Any, factor: Any) -> Any:
             if callable(part):
-                return lambda at: _spread(part(at / speed), size) * np.asarray(factor)
-            return _spread(part, size) * np.asarray(factor)
+                return lambda at: _spread(part(at / speed), size) * factor
+            return _spread(part, size) * factor
 
         return Bearing(
             self.coordinates,
@@ -172,26 +186,32 @@ class Bearing:
             name=self.name,
         )
 
-    def at(self, places: Sequence[int]) -> Bearing:
+    def at(self, coordinates: Any) -> Bearing:
         """The bearing between some of its coordinates, while the others do not move.
 
         Parameters
         ----------
-        places : sequence of int
-            Places of these coordinates among those of the bearing.
+        coordinates : str, int or list of these
+            Those that move: their names, or their places among those of the bearing.
 
         Returns
         -------
         Bearing
             With the rows and columns of these.
 
+        Raises
+        ------
+        OptionError
+            When the bearing has no such coordinate.
+
         Examples
         --------
         >>> import nonsmooth as ns
-        >>> ns.structures.Bearing(["2x", "2y"], [[5.0, 1.0], [1.0, 6.0]]).at([1]).stiffness
+        >>> ns.structures.Bearing(["2x", "2y"], [[5.0, 1.0], [1.0, 6.0]]).at("2y").stiffness
         array([[6.]])
         """
         size = len(self.coordinates)
+        places = places_of(coordinates, tuple(map(str, self.coordinates)), "coordinates")
         rows, columns = np.ix_(places, places)
 
         def part(given: Any) -> Any:

@@ -11,9 +11,9 @@ from nonsmooth.errors import ModelError, NonsmoothError, OptionError, unknown_na
 from nonsmooth.real_numbers import shown
 
 __all__ = [
-    "Plane",
+    "NodePlane",
     "coordinate_names",
-    "direction_of",
+    "in_direction",
     "is_rotation",
     "node_plane",
     "place_of",
@@ -24,7 +24,7 @@ __all__ = [
 _NAME = re.compile(r"(?P<node>.*?)(?P<space>[\s_.:-]*)(?P<direction>r?[xyz])")
 
 
-class Plane(NamedTuple):
+class NodePlane(NamedTuple):
     """Two coordinates of one node, in x and y, by their places; a shaft turns from x to y."""
 
     node: str
@@ -61,17 +61,12 @@ def _parted(name: str) -> tuple[str, str]:
     return found["node"], found["direction"]
 
 
-def direction_of(name: str) -> str:
-    """Direction that a name ends with, ``x y z rx ry rz``; nothing where it ends otherwise."""
-    return _parted(name)[1]
-
-
 def is_rotation(name: str) -> bool:
     """Whether a coordinate is an angle, which the last letters of its name say."""
     return _parted(name)[1].startswith("r")
 
 
-def planes(names: Sequence[str], kind: str = "") -> list[Plane]:
+def planes(names: Sequence[str], kind: str = "") -> list[NodePlane]:
     """Nodes that have displacements in both x and y, in order; of kind ``r``, their rotations."""
     place = {name: i for i, name in enumerate(names)}
     found = []
@@ -79,11 +74,11 @@ def planes(names: Sequence[str], kind: str = "") -> list[Plane]:
         node, direction = _parted(name)
         other = f"{name[:-1]}y"
         if direction == f"{kind}x" and other in place:
-            found.append(Plane(node, place[name], place[other]))
+            found.append(NodePlane(node, place[name], place[other]))
     return found
 
 
-def node_plane(node: Any, names: Sequence[str], where: str) -> Plane:
+def node_plane(node: Any, names: Sequence[str], where: str) -> NodePlane:
     """The x and y of one node, given by its name or number."""
     known = planes(names)
     for each in known:
@@ -129,3 +124,8 @@ def places_of(
     if len(set(found)) < len(found):
         raise error(f"{where} = {shown(given)}: a coordinate stands twice")
     return found
+
+
+def in_direction(direction: str, names: Sequence[str]) -> list[int]:
+    """Places of the displacements in one direction, ``x``, ``y`` or ``z``."""
+    return [i for i, name in enumerate(names) if _parted(name)[1] == direction]

@@ -14,7 +14,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, RunError
 from nonsmooth.real_numbers import finite_numbers, whole_number
 from nonsmooth.structures.eigenpairs import refined
-from nonsmooth.structures.following import Followed, follow
+from nonsmooth.structures.following import FollowedModes, follow
 from nonsmooth.structures.modes import eigenvalue_variables, whirl_variables
 from nonsmooth.structures.pencil import Pencil, computing_form
 from nonsmooth.structures.structure import Structure
@@ -142,17 +142,19 @@ def campbell(
     )
 
 
-def speeds_of(given: Any, structure: Structure, *, least: int = 1) -> npt.NDArray[np.float64]:
+def speeds_of(
+    given: Any, structure: Structure, *, least: int = 1, name: str = "speeds"
+) -> npt.NDArray[np.float64]:
     """Speeds in a row, at which all bearings are known."""
-    speeds = np.atleast_1d(finite_numbers("speeds", given))
+    speeds = np.atleast_1d(finite_numbers(name, given))
     if speeds.ndim != 1 or speeds.size < least:
-        raise OptionError(f"speeds: give a list of {least} or more")
+        raise OptionError(f"{name}: give a list of {least} or more")
     if not (np.diff(speeds) > 0.0).all():
-        raise OptionError("speeds: give increasing ones")
+        raise OptionError(f"{name}: give increasing ones")
     low, high = structure.speed_range
     if speeds[0] < low or speeds[-1] > high:
         raise OptionError(
-            f"speeds: {speeds[0]:g} to {speeds[-1]:g} rad/s, and the tables of the bearings reach"
+            f"{name}: {speeds[0]:g} to {speeds[-1]:g} rad/s, and the tables of the bearings reach"
             f" from {low:g} to {high:g}; give speeds within"
         )
     return speeds
@@ -164,7 +166,7 @@ def speed_axis(speeds: Array) -> tuple[str, Array, dict[str, str]]:
 
 
 def _critical_speeds(
-    structure: Structure, speeds: Array, followed: Followed, harmonics: Array
+    structure: Structure, speeds: Array, followed: FollowedModes, harmonics: Array
 ) -> list[_Crossing]:
     found = []
     for harmonic in harmonics:

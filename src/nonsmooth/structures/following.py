@@ -11,7 +11,7 @@ import numpy.typing as npt
 from nonsmooth.structures.eigenpairs import Eigenpairs, nearest_to_zero
 from nonsmooth.structures.pencil import Pencil
 
-__all__ = ["Followed", "follow"]
+__all__ = ["FollowedModes", "follow"]
 
 Array = npt.NDArray[Any]
 
@@ -20,7 +20,7 @@ _HALVINGS = 6  # of a step in which shapes change more
 _MORE = 4  # modes beyond those that are followed, which may come in between
 
 
-class Followed(NamedTuple):
+class FollowedModes(NamedTuple):
     """One row for each value, one column for each mode."""
 
     values: npt.NDArray[np.complex128]
@@ -30,13 +30,13 @@ class Followed(NamedTuple):
     """Modal assurance criterion with the row before; of refined steps the least."""
 
 
-class _Point(NamedTuple):
+class _ModesAt(NamedTuple):
     at: float
     pairs: Eigenpairs
     mass: Any
 
 
-def follow(pencil_at: Callable[[float], Pencil], values: Array, count: int) -> Followed:
+def follow(pencil_at: Callable[[float], Pencil], values: Array, count: int) -> FollowedModes:
     """The slowest modes at the first value that oscillate, and what becomes of them."""
     begin = _point(pencil_at, float(values[0]), count)
     moving = np.flatnonzero(begin.pairs.values.imag > 0.0)[:count]
@@ -47,16 +47,16 @@ def follow(pencil_at: Callable[[float], Pencil], values: Array, count: int) -> F
         there, alike = _step(pencil_at, here, before, float(value), _HALVINGS, count)
         before, here = here, there
         found.append((here, alike))
-    return Followed(
+    return FollowedModes(
         np.array([point.pairs.values for point, _ in found]),
         np.array([point.pairs.vectors for point, _ in found]),
         np.array([alike for _, alike in found]),
     )
 
 
-def _point(pencil_at: Callable[[float], Pencil], value: float, count: int) -> _Point:
+def _point(pencil_at: Callable[[float], Pencil], value: float, count: int) -> _ModesAt:
     pencil = pencil_at(value)
-    return _Point(value, nearest_to_zero(pencil, 2 * count + _MORE), pencil.M)
+    return _ModesAt(value, nearest_to_zero(pencil, 2 * count + _MORE), pencil.M)
 
 
 def _chosen(pairs: Eigenpairs, order: Array) -> Eigenpairs:
@@ -65,12 +65,12 @@ def _chosen(pairs: Eigenpairs, order: Array) -> Eigenpairs:
 
 def _step(
     pencil_at: Callable[[float], Pencil],
-    here: _Point,
-    before: _Point | None,
+    here: _ModesAt,
+    before: _ModesAt | None,
     value: float,
     halvings: int,
     count: int,
-) -> tuple[_Point, Array]:
+) -> tuple[_ModesAt, Array]:
     """The same modes at another value; by way of the middle where shapes change much."""
     point = _point(pencil_at, value, count)
     order, alike = _matched(here, before, point)
@@ -82,7 +82,7 @@ def _step(
     return there, np.minimum(first, second)
 
 
-def _matched(here: _Point, before: _Point | None, there: _Point) -> tuple[Array, Array]:
+def _matched(here: _ModesAt, before: _ModesAt | None, there: _ModesAt) -> tuple[Array, Array]:
     """Which modes of one point are those of the last, and how much alike their shapes are."""
     from scipy.optimize import linear_sum_assignment
 

@@ -81,7 +81,7 @@ def root_locus(
     count = whole_number("count", count)
     if isinstance(structure, Structure):
         fixed = computing_form(structure)
-        axis = speeds_of(values, fixed, least=2)
+        axis = speeds_of(values, fixed, least=2, name="values")
         name, units = "speed of the shaft", "rad/s"
 
         def pencil_at(value: float) -> Pencil:

@@ -12,7 +12,7 @@ import xarray as xr
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.real_numbers import finite_numbers, finite_real, shown
-from nonsmooth.structures.coordinates import direction_of, place_of, places_of
+from nonsmooth.structures.coordinates import in_direction, place_of, places_of
 from nonsmooth.structures.pencil import Pencil, computing_form, regular_solver
 from nonsmooth.structures.structure import Structure
 from nonsmooth.version import __version__
@@ -204,11 +204,13 @@ def _force(load: Any, gravity: Mapping[str, float] | None, structure: Structure)
                 " or a mapping of names to numbers"
             )
     for direction, value in (gravity or {}).items():
-        along = np.array([direction_of(name) == direction for name in names], dtype=float)
-        if direction not in ("x", "y", "z") or not along.any():
+        places = in_direction(direction, names) if direction in ("x", "y", "z") else []
+        if not places:
             raise OptionError(
                 f"gravity: no coordinate has the direction {direction!r:.40}; give x, y or z, with"
                 " which names such as '3y' end"
             )
-        force = force + finite_real(f"gravity[{direction!r}]", value) * (structure.mass @ along)
+        along = np.zeros(structure.size)
+        along[places] = finite_real(f"gravity[{direction!r}]", value)
+        force = force + structure.mass @ along
     return force

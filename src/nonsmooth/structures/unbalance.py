@@ -12,7 +12,7 @@ import xarray as xr
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.real_numbers import finite_real, shown
-from nonsmooth.structures.coordinates import Plane, node_plane, place_of, planes
+from nonsmooth.structures.coordinates import NodePlane, node_plane, place_of, planes
 from nonsmooth.structures.critical_speeds import speed_axis, speeds_of
 from nonsmooth.structures.pencil import Pencil, computing_form
 from nonsmooth.structures.structure import Structure
@@ -115,7 +115,7 @@ def unbalance_response(structure: Structure, speeds: Sequence[float], unbalance:
     return xr.Dataset(variables, coordinates, {"nonsmooth_version": __version__})
 
 
-def _orbits(found: Array, known: list[Plane]) -> dict[str, Any]:
+def _orbits(found: Array, known: list[NodePlane]) -> dict[str, Any]:
     """Circles and half axes of the orbit of each node."""
     forward, backward = (part.T for part in whirl_parts(found.T, known))
     over = ("speed", "node")
@@ -132,8 +132,8 @@ def _orbits(found: Array, known: list[Plane]) -> dict[str, Any]:
     }
 
 
-def _unbalances(given: Any, names: tuple[str, ...]) -> list[tuple[Plane, float, float]]:
-    """Plane, moment and phase of each."""
+def _unbalances(given: Any, names: tuple[str, ...]) -> list[tuple[NodePlane, float, float]]:
+    """NodePlane, moment and phase of each."""
     words = "(node, moment) or (node, moment, phase)"
     if not isinstance(given, list | tuple) or not given:
         raise OptionError(f"unbalance = {shown(given)}: give {words}, or a list of these")
@@ -147,7 +147,7 @@ def _unbalances(given: Any, names: tuple[str, ...]) -> list[tuple[Plane, float, 
             if len(node) != 2:
                 raise OptionError(f"unbalance: {shown(node)}: give the coordinates of x and of y")
             x, y = (place_of(one, names, "unbalance") for one in node)
-            plane = Plane("", x, y)
+            plane = NodePlane("", x, y)
         else:
             plane = node_plane(node, names, "unbalance")
         size = finite_real("unbalance: moment", moment)

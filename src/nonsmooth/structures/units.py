@@ -16,7 +16,7 @@ import numpy.typing as npt
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.structures.coordinates import is_rotation
 
-__all__ = ["Factors", "factors_of"]
+__all__ = ["UnitFactors", "factors_of"]
 
 _UNITS = {
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048},
@@ -27,7 +27,7 @@ _UNITS = {
 }
 
 
-class Factors(NamedTuple):
+class UnitFactors(NamedTuple):
     """What numbers in some units are multiplied by to be in SI."""
 
     mass: float
@@ -44,15 +44,15 @@ class Factors(NamedTuple):
     """Of the speeds in tables of bearings."""
 
 
-def factors_of(units: Any, names: tuple[str, ...]) -> Factors | None:
-    """Factors for matrices over some coordinates; None where numbers are in SI."""
+def factors_of(units: Any, names: tuple[str, ...]) -> UnitFactors | None:
+    """UnitFactors for matrices over some coordinates; None where numbers are in SI."""
     if units is None:
         return None
     size = _sizes(_named(units))
     stiffness = size["force"] / size["length"]
     levers = np.array([size["length"] if is_rotation(name) else 1.0 for name in names])
     mass = size["mass"]
-    return Factors(mass, stiffness * size["time"], mass, stiffness, levers, size["speed"])
+    return UnitFactors(mass, stiffness * size["time"], mass, stiffness, levers, size["speed"])
 
 
 def _named(units: Any) -> dict[str, str]:

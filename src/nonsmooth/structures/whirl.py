@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.structures.coordinates import Plane, planes
+from nonsmooth.structures.coordinates import NodePlane, planes
 
 __all__ = ["directions_of", "whirl_of", "whirl_parts"]
 
@@ -18,7 +18,7 @@ _STILL = 1e-9  # of the largest entry of a shape, which may be an angle
 _STRAIGHT = 1e-6  # share of the difference of both parts below which an orbit is a line
 
 
-def whirl_parts(amplitudes: Array, planes: Sequence[Plane]) -> tuple[Array, Array]:
+def whirl_parts(amplitudes: Array, planes: Sequence[NodePlane]) -> tuple[Array, Array]:
     """Forward and backward amplitude of each node, over the first axis.
 
     With x = Re X exp(i w t) and y likewise, x + i y = f exp(i w t) + conj(b) exp(-i w t).
