@@ -10,6 +10,7 @@ from typing import Any
 from nonsmooth.cli.arguments import initial_state, names, time_range
 from nonsmooth.cli.command import Entry
 from nonsmooth.cli.options import Own
+from nonsmooth.cli.structures import speed_range
 
 __all__ = ["TABLE"]
 
@@ -624,6 +625,26 @@ TABLE = {
         save="the findings and the masks",
         size=(14.0, 7.0),
         example="nonsmooth check run.csv --columns x=CH1,y=CH2 --mark KEY --plot quality.png",
+    ),
+    "campbell": Entry(
+        "Follow the natural frequencies of a shaft over its speed, and find its critical speeds."
+        "\n\nThe matrices are called mass and stiffness and, if there are any, damping and"
+        " gyroscopic; or M, K, C and G. Names of coordinates are a node and a direction, such as"
+        " 3x: from them the sense of whirl is told. Bearings are constant here, as part of"
+        " stiffness and damping.",
+        "structures.campbell",
+        (("structures.campbell", "count harmonics"),),
+        (
+            Own("speeds", "First speed, last speed and how many, in rad/s.", "A:B:N",
+                required=True, convert=speed_range),
+            Own("rpm", "Speeds are in revolutions per minute, and frequencies drawn in Hz."),
+            Own("units", "Units of the matrices where they are not in SI, such as mm,N,kg,s.",
+                "UNIT"),
+        ),
+        arguments="SHAFT",
+        plot="the Campbell diagram",
+        save="the diagram and the critical speeds",
+        example="nonsmooth campbell shaft.npz --speeds 0:600:61 --plot campbell.png",
     ),
     "alarm": Entry(
         "Set an alarm by records of a healthy machine, for a stated rate of false alarms, and judge"
