@@ -4,7 +4,9 @@ They share no code. `make ross` runs these tests in an environment of their own,
 many packages.
 """
 
+import re
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -197,3 +199,12 @@ def test_tables_with_bends():
 def test_what_is_no_rotor_is_refused():
     with pytest.raises(ns.ModelError, match="rotor: dict has no M0; give a Rotor of ROSS"):
         ns.Structure.from_ross({})
+
+
+def test_the_blocks_of_the_page_run():
+    page = Path(__file__).parents[2] / "docs" / "how-to" / "structures.md"
+    blocks = re.findall(r"```py\n(.*?)```", page.read_text(encoding="utf-8"), re.S)
+    names = {"ns": ns}
+    for block in blocks:
+        exec(compile(block, page.name, "exec"), names)
+    assert blocks and names["taken_over"].size == 4 * len(ross.rotor_example().nodes)

@@ -34,7 +34,7 @@ _LABELS = {
     "none": "mode",
 }
 _RPM, _HERTZ = 30.0 / math.pi, 0.5 / math.pi
-_ROOM = 1.08  # above the highest curve
+_ROOM = 1.12  # above the highest curve
 
 
 @checked
@@ -98,7 +98,8 @@ def campbell(
         _name_line(ax, speeds, line, top, f"{harmonic:g}X")
     for sense, style in SENSES.items():
         pieces = [_pieces(curve, senses[:, i] == sense) for i, curve in enumerate(curves.T)]
-        for i, piece in enumerate(each for each in pieces if np.isfinite(each).any()):
+        # at rest alone, where motions go along lines, there is nothing to draw
+        for i, piece in enumerate(each for each in pieces if np.isfinite(each).sum() > 1):
             ax.plot(speeds, piece, **style, label="" if i else _LABELS[sense])
     if data.sizes["critical"]:
         at = data["critical_speed"].values
@@ -123,15 +124,14 @@ def _pieces(curve: npt.NDArray[Any], here: npt.NDArray[np.bool_]) -> npt.NDArray
 
 
 def _name_line(ax: Axes, speeds: Any, line: Any, top: float, name: str) -> None:
-    """Name of a multiple of the speed, where its line leaves the picture."""
+    """Name of a multiple of the speed, beside the end of its line in the picture."""
     inside = np.flatnonzero(line <= top)
     last = int(inside[-1]) if inside.size else 0
     x, y = float(speeds[last]), float(line[last])
+    place: dict[str, Any] = {"xytext": (-3.0, 3.0), "ha": "right", "va": "bottom"}
     if last + 1 < len(speeds):
         share = (top - line[last]) / (line[last + 1] - line[last])
         x, y = float(speeds[last] + share * (speeds[last + 1] - speeds[last])), top
+        place = {"xytext": (3.0, -3.0), "ha": "left", "va": "top"}
     size = float(ax.xaxis.label.get_fontsize()) - 1.0
-    ax.annotate(
-        name, (x, y), xytext=(-3.0, -2.0), textcoords="offset points", ha="right", va="top",
-        color="0.35", fontsize=size,
-    )  # fmt: skip
+    ax.annotate(name, (x, y), textcoords="offset points", color="0.35", fontsize=size, **place)
