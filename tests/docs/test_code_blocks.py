@@ -3,8 +3,8 @@
 A TOML block below the name of a file is that file. Commands that read CSV files find those that the
 first block of Python on their page writes, those that read matrices the first file of these.
 Indented lines right below a block of Python are what it prints, as doctest compares it: spaces do
-not count, and ``...`` stands for anything. Pictures on pages of `DRAWN` are those that the blocks of the page
-save. Blocks of ``py``, which need ROSS, run in `tests/structures/test_ross.py`.
+not count, and ``...`` stands for anything. Pictures on pages of `DRAWN` are those that the blocks
+of the page save. Blocks of ``py``, which need ROSS, run in `tests/structures/test_ross.py`.
 """
 
 import contextlib

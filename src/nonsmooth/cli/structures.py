@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from nonsmooth.cli.arguments import value_range
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.report import Report
 from nonsmooth.errors import OptionError
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
 
 __all__ = ["campbell", "speed_range"]
 
 _MOST_TOLD = 30  # critical speeds
+_ROUNDING = 1e-9  # of an eigenvalue: growth that is none
 _RPM = 30.0 / math.pi
 
 
@@ -47,8 +47,8 @@ def campbell(task: Task) -> None:
 def _unstable_from(result: xr.Dataset) -> float | None:
     """The least speed of the grid at which a mode grows by more than rounding."""
     values = result["eigenvalue"].values
-    grows = (values.real > 1e-9 * np.abs(values)).any(axis=1)
-    return float(result["speed"].values[np.argmax(grows)]) if grows.any() else None
+    grows = (values.real > _ROUNDING * abs(values)).any(axis=1)
+    return float(result["speed"].values[grows.argmax()]) if grows.any() else None
 
 
 def _add_critical_speeds(report: Report, result: xr.Dataset) -> None:
