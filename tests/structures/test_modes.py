@@ -86,6 +86,31 @@ def test_a_floating_structure_has_rigid_motions_once(n):
     np.testing.assert_allclose(found["natural_frequency"], exact, rtol=1e-9, atol=1e-14)
 
 
+@pytest.mark.parametrize("n", [4, 18, 60])
+def test_a_floating_shaft_that_turns(n):
+    """Both displacements and both tilts ask for no force; a tilted rod precesses with Ip/Id speed.
+
+    It bends by (frequency over that of bending) squared, here 1e-6 of its tilt.
+    """
+    beam = Beam(1.5 / n, 0.05)
+    modes = natural_modes(shaft([beam] * n), 300.0, count=6)
+    assert (modes["natural_frequency"].values[:4] == 0.0).all()
+    mass, radius = n * beam.mass, 0.025
+    polar, across = mass * radius**2 / 2, mass * (radius**2 / 4 + 1.5**2 / 12)
+    assert modes["natural_frequency"].values[4] == pytest.approx(300.0 * polar / across, rel=1e-5)
+    assert modes["direction"].values[4] == "forward"
+
+
+@pytest.mark.parametrize("n", [4, 18, 60])
+def test_a_soft_support_is_no_floating_one(n):
+    """A frequency a millionth of that of an element: rounding leaves it four digits."""
+    held = [Bearing([f"{i}x", f"{i}y"], 1.0) for i in (0, n)]
+    beam = Beam(1.5 / n, 0.05)
+    modes = natural_modes(shaft([beam] * n, bearings=held), count=4)
+    exact = math.sqrt(2.0 / (n * beam.mass))
+    np.testing.assert_allclose(modes["natural_frequency"].values[:2], exact, rtol=1e-4)
+
+
 def pinned(n, beam, length=1.5):
     """A shaft of n elements on pinned ends, which may tilt."""
     free = shaft([Beam(length / n, **beam)] * n)

@@ -27,7 +27,8 @@ _LARGEST_DENSE = 3000  # beyond which it takes too long, and too much memory
 _GUARD = 8  # eigenvalues beyond those asked for
 _SHIFT = 1e-3  # of the size of a frequency: K itself has no inverse where the structure floats
 _CLOSE = 1e-6
-_RIGID = 1e-6  # of a frequency: zero, which as a double eigenvalue has half of the digits
+_NEAR_ZERO = 1e-4  # of the size of a frequency: where eigenvalues may be those of rigid motions
+_NO_FORCE = 1e-14  # of the sum of the sizes of its terms
 _SAME_DIRECTION = 1e-3  # between vectors of such eigenvalues
 _MOST_STEPS = 12  # of a refinement, which doubles the digits with each
 _ROUNDING = 64.0 * float(np.finfo(float).eps)
@@ -69,21 +70,44 @@ def nearest_to_zero(pencil: Pencil, count: int | None) -> Eigenpairs:
     return Eigenpairs(found.values[some], found.vectors[:, some])
 
 
-def _sorted(values: Array, vectors: Array, unit: float) -> Eigenpairs:
-    """One of each conjugate pair, by size."""
+def _sorted(values: Array, vectors: Array, pencil: Pencil) -> Eigenpairs:
+    """One of each conjugate pair, by size; rigid motions first, with the eigenvalue zero."""
     upper = values.imag >= 0.0
     order = np.argsort(np.abs(values[upper]), kind="stable")
     values, vectors = values[upper][order], vectors[:, upper][:, order]
     vectors = vectors / np.linalg.norm(vectors, axis=0)
-    rigid = int((np.abs(values) < _RIGID * unit).sum())
-    if rigid:  # a motion without a force is twice an eigenvalue zero, with one vector
-        basis, sizes, _ = np.linalg.svd(
-            np.hstack([vectors[:, :rigid].real, vectors[:, :rigid].imag]), full_matrices=False
-        )
-        basis = basis[:, sizes > _SAME_DIRECTION * sizes[0]]
-        vectors = np.hstack([basis, vectors[:, rigid:]])
-        values = np.concatenate([np.zeros(basis.shape[1]), values[rigid:]])
+    rigid, basis = _rigid_motions(values, vectors, pencil)
+    values = np.concatenate([np.zeros(basis.shape[1]), values[~rigid]])
+    vectors = np.hstack([basis, vectors[:, ~rigid]])
     return Eigenpairs(values.astype(complex), vectors.astype(complex))
+
+
+def _rigid_motions(values: Array, vectors: Array, pencil: Pencil) -> tuple[Array, Array]:
+    """Which vectors are motions without a restoring force, and a basis of these.
+
+    Each is twice an eigenvalue zero with one vector, or two, so that half of the digits of the
+    eigenvalue are lost and it cannot be told from that of a soft support. The force that the motion
+    asks for can: it is rounding, once what the vector has of other modes is taken from it by a step
+    of inverse iteration.
+    """
+    rigid = np.zeros(len(values), dtype=bool)
+    unit = _frequency(pencil)
+    near = np.flatnonzero(np.abs(values) < _NEAR_ZERO * unit)
+    if not near.size:
+        return rigid, vectors[:, :0]
+    # at rest: gyroscopic moments of a rigid motion would bend the structure
+    solve = solver_of((_SHIFT * unit) ** 2 * pencil.M + pencil.K)
+    parts = np.stack([vectors[:, near].real, vectors[:, near].imag])
+    seen = np.linalg.norm(parts, axis=1) > _SAME_DIRECTION
+    shapes = np.array([solve(np.ascontiguousarray(pencil.M @ part)) for part in parts])
+    forces = np.array([abs(pencil.K @ each).max(axis=0) for each in shapes])
+    sizes = np.array([(abs(pencil.K) @ abs(each)).max(axis=0) for each in shapes])
+    rigid[near] = ((forces <= _NO_FORCE * sizes) | ~seen).all(axis=0)
+    if not rigid.any():
+        return rigid, vectors[:, :0]
+    both = np.concatenate([vectors[:, rigid].real, vectors[:, rigid].imag], axis=1)
+    basis, lengths, _ = np.linalg.svd(both, full_matrices=False)
+    return rigid, basis[:, lengths > _SAME_DIRECTION * lengths[0]]
 
 
 def _by_decomposition(pencil: Pencil) -> Eigenpairs:
@@ -99,7 +123,7 @@ def _by_decomposition(pencil: Pencil) -> Eigenpairs:
         raise ModelError("mass is singular: condense coordinates without inertia") from None
     block = np.block([[np.zeros((size, size)), np.eye(size)], [-lower]])
     values, vectors = eig(block)
-    return _sorted(values * unit, vectors[:size], unit)
+    return _sorted(values * unit, vectors[:size], pencil)
 
 
 def _frequency(pencil: Pencil) -> float:
@@ -124,13 +148,15 @@ def _by_arnoldi(pencil: Pencil, wanted: int) -> Eigenpairs:
                 f"only {len(error.eigenvalues)} of {number} eigenvalues were found; ask for fewer"
             ) from None
         passed_over = _left_over(inverse, spaces, start)
-        found = _sorted((1.0 / ritz + shift) * unit, spaces[:size], unit)
+        found = _sorted((1.0 / ritz + shift) * unit, spaces[:size], pencil)
         complete = np.abs(ritz).min() * (1.0 + _CLOSE) >= passed_over
         if complete and len(found.values) >= wanted:
             return found
         if not complete:  # begin nearer to what was passed over
             start = np.random.default_rng(number).normal(size=2 * size)
         number += number // 2
+    if size > _LARGEST_DENSE:
+        raise RunError(f"{wanted} modes could not be told from others beside them; ask for fewer")
     return _by_decomposition(pencil)
 
 
@@ -182,7 +208,7 @@ def refined(pencil: Pencil, value: complex, vector: Array) -> tuple[complex, Arr
         except np.linalg.LinAlgError:  # an eigenvalue to the last digit
             break
         towards = solve(pencil.slope(value) @ vector)
-        if not np.isfinite(towards).all():
+        if not np.isfinite(towards).all() or not np.any(towards):
             break
         step = (along @ vector) / (along @ towards)
         vector = towards * step
