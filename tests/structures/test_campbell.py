@@ -120,17 +120,38 @@ def machine(n=20, bearings=None, sparse=False):
     return shaft([Beam(1.6 / n, 0.07)] * n, discs=discs, bearings=held, sparse=sparse)
 
 
-def test_critical_speeds_of_an_undamped_shaft_by_a_direct_eigenproblem():
-    """At a critical speed w the speed drops out: (K - w^2 (M - i G)) q = 0."""
-    held = [Bearing(["2x", "2y"], [[2e7, 0], [0, 3e7]]), Bearing(["18x", "18y"], 4e7)]
-    rotor = machine(bearings=held)
+def random_shaft(rng, *, isotropic):
+    """Beams of different sizes, two discs and two bearings anywhere, without damping."""
+    n = int(rng.integers(3, 14))
+    held = []
+    for node in rng.choice(n + 1, 2, replace=False):
+        k = 10 ** rng.uniform(5.0, 8.5)
+        other = k if isotropic else k * 10 ** rng.uniform(-0.5, 0.5)
+        held.append(Bearing([f"{node}x", f"{node}y"], np.diag([k, other])))
+    diameters = rng.uniform(0.03, 0.1) * rng.uniform(0.7, 1.3, n)
+    beams = [Beam(rng.uniform(0.05, 0.2), each) for each in diameters]
+    discs = [
+        Disc.from_geometry(int(rng.integers(0, n + 1)), 0.05, rng.uniform(0.15, 0.6))
+        for _ in range(2)
+    ]
+    return shaft(beams, discs=discs, bearings=held)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_critical_speeds_of_undamped_shafts_by_a_direct_eigenproblem(seed):
+    """At a critical speed w the speed drops out: (K - w^2 (M - i G)) q = 0.
+
+    All of them are found from 17 speeds, however close modes come to each other.
+    """
+    rng = np.random.default_rng(seed)
+    rotor = random_shaft(rng, isotropic=seed % 3 == 0)
     M, _, K = rotor.at_speed(0.0)
-    direct = scipy.linalg.eig(K, M - 1j * rotor.gyroscopic, right=False)
-    direct = np.sqrt(direct.real[(np.abs(direct.imag) < 1e-6 * direct.real) & (direct.real > 0)])
-    found = campbell(rotor, np.linspace(0.0, 3000.0, 31), count=12)
-    expected = np.sort(direct[direct < 3000.0])
+    direct = scipy.linalg.eigvals(K, M - 1j * rotor.gyroscopic)
+    real = (np.abs(direct.imag) < 1e-6 * np.abs(direct)) & (direct.real > 1.0)
+    expected = np.sort(np.sqrt(direct.real[real]))
+    found = campbell(rotor, np.linspace(0.0, 4000.0, 17), count=rotor.size // 2)["critical_speed"]
     # the direct problem has eps of its largest eigenvalue as its error
-    np.testing.assert_allclose(found["critical_speed"], expected, rtol=1e-8)
+    np.testing.assert_allclose(found, expected[expected < 4000.0], rtol=1e-7)
 
 
 def test_critical_speeds_do_not_depend_on_the_grid():

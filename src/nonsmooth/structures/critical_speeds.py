@@ -14,7 +14,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, RunError
 from nonsmooth.real_numbers import finite_numbers, whole_number
 from nonsmooth.structures.eigenpairs import refined
-from nonsmooth.structures.following import FollowedModes, follow
+from nonsmooth.structures.following import ALIKE, FollowedModes, assurance, follow, nearby
 from nonsmooth.structures.modes import eigenvalue_variables, whirl_variables
 from nonsmooth.structures.pencil import Pencil, computing_form
 from nonsmooth.structures.structure import Structure
@@ -25,6 +25,7 @@ __all__ = ["campbell", "speed_axis", "speeds_of"]
 
 Array = npt.NDArray[Any]
 
+_ON_LINE = 1e-7  # of the speed: rounding of the eigenvalues of fine meshes
 _RELATIVE = 4.0 * float(np.finfo(float).eps)
 
 
@@ -95,7 +96,7 @@ def campbell(
     shaft at rest in equal bearings, have no shapes of their own, so a low value there means
     nothing.
 
-    A critical speed is sought between two speeds at which the difference has different signs, so
+    A critical speed is sought between two steps at which the difference has different signs, so
     a curve that crosses a line twice between two speeds needs a finer grid. There the eigenvalue
     is found by Newton's method and the speed by Brent's, both to rounding.
 
@@ -121,8 +122,9 @@ def campbell(
     if not (orders > 0.0).all():
         raise OptionError(f"harmonics = {harmonics!r:.60}: each is positive")
     structure = computing_form(structure)
-    followed = follow(partial(Pencil, structure), axis, count)
-    crossings = _critical_speeds(structure, axis, followed, orders)
+    path = follow(partial(Pencil, structure), axis, count)
+    followed = path.rows(axis)
+    crossings = _critical_speeds(structure, path, orders)
     dims = ("speed", "mode")
     variables = eigenvalue_variables(dims, followed.values)
     variables["mac"] = (
@@ -166,54 +168,73 @@ def speed_axis(speeds: Array) -> tuple[str, Array, dict[str, str]]:
 
 
 def _critical_speeds(
-    structure: Structure, speeds: Array, followed: FollowedModes, harmonics: Array
+    structure: Structure, path: FollowedModes, harmonics: Array
 ) -> list[_Crossing]:
     found = []
     for harmonic in harmonics:
-        beyond = followed.values.imag - harmonic * speeds[:, None]
+        beyond = path.values.imag - harmonic * path.at[:, None]
         # a curve that begins on the line, as one of a motion without a force at rest, crosses none
         crossed = (beyond[:-1] * beyond[1:] < 0.0) | ((beyond[1:] == 0.0) & (beyond[:-1] != 0.0))
         for row, mode in np.argwhere(crossed):
-            ends = slice(row, row + 2)
-            pairs = followed.values[ends, mode], followed.vectors[ends, :, mode]
-            speed, value, vector = _crossing(structure, speeds[ends], *pairs, harmonic)
+            between = _Between(structure, path, int(row), int(mode))
+            speed, value, vector = between.crossing(float(harmonic))
             whirl = whirl_of(vector[:, None], structure.coordinates)
             share = np.nan if whirl is None else float(whirl[0])
             found.append(_Crossing(speed, value, int(mode) + 1, float(harmonic), share))
     return sorted(found, key=lambda each: (each.speed, each.mode))
 
 
-def _crossing(
-    structure: Structure, speeds: Array, values: Array, vectors: Array, harmonic: float
-) -> tuple[float, complex, Array]:
-    """Speed between two, with the eigenpair there."""
-    from scipy.optimize import brentq
+class _Between:
+    """One mode between two speeds at which it is known."""
 
-    known = [(speed, *pair) for speed, *pair in zip(speeds, values, vectors, strict=True)]
+    def __init__(self, structure: Structure, path: FollowedModes, row: int, mode: int) -> None:
+        self.structure = structure
+        self.count = path.values.shape[1]
+        self.known = [
+            (float(path.at[i]), complex(path.values[i, mode]), path.vectors[i, :, mode])
+            for i in (row, row + 1)
+        ]
 
-    def pair_at(speed: float) -> tuple[complex, Array]:
+    def at(self, speed: float) -> tuple[complex, Array]:
         """Eigenpair from the two nearest ones, of which there are more and more."""
-        near, other = sorted(known, key=lambda each: abs(each[0] - speed))[:2]
+        near, other = sorted(self.known, key=lambda each: abs(each[0] - speed))[:2]
         if near[0] == speed:
             return near[1], near[2]
-        share = (speed - near[0]) / (other[0] - near[0])
-        pair = refined(Pencil(structure, speed), near[1] + share * (other[1] - near[1]), near[2])
-        known.append((speed, *pair))
-        return pair
+        pencil = Pencil(self.structure, speed)
+        guess = near[1] + (speed - near[0]) / (other[0] - near[0]) * (other[1] - near[1])
+        value, vector = refined(pencil, guess, near[2])
+        alike = assurance(near[2][:, None], vector[:, None], pencil.M)[0, 0]
+        if not alike >= ALIKE:  # Newton's method has led to another mode
+            value, vector = refined(pencil, *self._chosen(pencil, guess, near[2]))
+        self.known.append((speed, value, vector))
+        return value, vector
 
-    def beyond(speed: float) -> float:
-        return pair_at(speed)[0].imag - harmonic * speed
+    def _chosen(self, pencil: Pencil, guess: complex, shape: Array) -> tuple[complex, Array]:
+        """Of all modes the one that is most alike, in its shape and its eigenvalue."""
+        pairs = nearby(pencil, self.count)
+        alike = assurance(shape[:, None], pairs.vectors, pencil.M)[0]
+        apart = np.abs(pairs.values - guess) / (np.abs(pairs.values) + abs(guess))
+        best = int(np.argmax(alike - apart))
+        return complex(pairs.values[best]), pairs.vectors[:, best]
 
-    if values[1].imag == harmonic * speeds[1]:
-        return float(speeds[1]), complex(values[1]), vectors[1]
-    try:
-        root = brentq(beyond, speeds[0], speeds[1], xtol=_RELATIVE * speeds[1], rtol=_RELATIVE)
-    except ValueError:  # the guess has led to another mode
-        raise RunError(
-            f"no mode can be followed from {speeds[0]:g} to {speeds[1]:g} rad/s, where one is"
-            " critical; give more speeds there"
-        ) from None
-    return float(root), *pair_at(float(root))
+    def crossing(self, harmonic: float) -> tuple[float, complex, Array]:
+        """Speed at which the frequency is a multiple of it, with the eigenpair there."""
+        from scipy.optimize import brentq
+
+        def beyond(speed: float) -> float:
+            return self.at(speed)[0].imag - harmonic * speed
+
+        (low, *_), (high, value, vector) = self.known
+        if value.imag == harmonic * high:
+            return high, value, vector
+        root = brentq(beyond, low, high, xtol=_RELATIVE * high, rtol=_RELATIVE)
+        # brentq also stops at a jump from one mode to another
+        if not abs(beyond(root)) < _ON_LINE * high:
+            raise RunError(
+                f"no mode can be followed from {low:g} to {high:g} rad/s, where one is critical;"
+                " give more speeds there"
+            )
+        return float(root), *self.at(float(root))
 
 
 def _critical_variables(found: list[_Crossing]) -> dict[str, Any]:

@@ -11,52 +11,65 @@ import numpy.typing as npt
 from nonsmooth.structures.eigenpairs import Eigenpairs, nearest_to_zero
 from nonsmooth.structures.pencil import Pencil
 
-__all__ = ["FollowedModes", "follow"]
+__all__ = ["ALIKE", "FollowedModes", "assurance", "follow", "nearby"]
 
 Array = npt.NDArray[Any]
 
-_ALIKE = 0.7  # of the modal assurance criterion, with which two shapes are those of one mode
+ALIKE = 0.7  # of the modal assurance criterion, with which two shapes are those of one mode
 _HALVINGS = 6  # of a step in which shapes change more
 _MORE = 4  # modes beyond those that are followed, which may come in between
 
 
 class FollowedModes(NamedTuple):
-    """One row for each value, one column for each mode."""
+    """Rows for values, in order, with a column for each mode."""
 
+    at: npt.NDArray[np.float64]
     values: npt.NDArray[np.complex128]
     vectors: npt.NDArray[np.complex128]
     """By value, coordinate and mode."""
     likeness: npt.NDArray[np.float64]
-    """Modal assurance criterion with the row before; of refined steps the least."""
+    """Modal assurance criterion with the row before."""
+
+    def rows(self, given: Array) -> FollowedModes:
+        """Those of given values; the criterion is the least since the one before."""
+        places = [int(np.flatnonzero(self.at == value)[0]) for value in given]
+        begins = [0, *(place + 1 for place in places[:-1])]
+        likeness = [
+            self.likeness[begin : end + 1].min(axis=0)
+            for begin, end in zip(begins, places, strict=True)
+        ]
+        return FollowedModes(
+            self.at[places], self.values[places], self.vectors[places], np.array(likeness)
+        )
 
 
 class _ModesAt(NamedTuple):
     at: float
     pairs: Eigenpairs
-    mass: Any
+    likeness: Array
 
 
 def follow(pencil_at: Callable[[float], Pencil], values: Array, count: int) -> FollowedModes:
-    """The slowest modes at the first value that oscillate, and what becomes of them."""
-    begin = _point(pencil_at, float(values[0]), count)
-    moving = np.flatnonzero(begin.pairs.values.imag > 0.0)[:count]
-    here = begin._replace(pairs=_chosen(begin.pairs, moving))
-    before = None
-    found = [(here, np.ones(len(moving)))]
+    """The slowest modes at the first value that oscillate, and what becomes of them.
+
+    There are rows for all values, and for those in between that it took to tell modes apart.
+    """
+    begin = nearby(pencil_at(float(values[0])), count)
+    moving = np.flatnonzero(begin.values.imag > 0.0)[:count]
+    found = [_ModesAt(float(values[0]), _chosen(begin, moving), np.ones(len(moving)))]
     for value in values[1:]:
-        there, alike = _step(pencil_at, here, before, float(value), _HALVINGS, count)
-        before, here = here, there
-        found.append((here, alike))
+        _step(pencil_at, found, float(value), _HALVINGS, count)
     return FollowedModes(
-        np.array([point.pairs.values for point, _ in found]),
-        np.array([point.pairs.vectors for point, _ in found]),
-        np.array([alike for _, alike in found]),
+        np.array([each.at for each in found]),
+        np.array([each.pairs.values for each in found]),
+        np.array([each.pairs.vectors for each in found]),
+        np.array([each.likeness for each in found]),
     )
 
 
-def _point(pencil_at: Callable[[float], Pencil], value: float, count: int) -> _ModesAt:
-    pencil = pencil_at(value)
-    return _ModesAt(value, nearest_to_zero(pencil, 2 * count + _MORE), pencil.M)
+def nearby(pencil: Pencil, count: int) -> Eigenpairs:
+    """Modes among which those are that are followed."""
+    return nearest_to_zero(pencil, 2 * count + _MORE)
 
 
 def _chosen(pairs: Eigenpairs, order: Array) -> Eigenpairs:
@@ -65,40 +78,43 @@ def _chosen(pairs: Eigenpairs, order: Array) -> Eigenpairs:
 
 def _step(
     pencil_at: Callable[[float], Pencil],
-    here: _ModesAt,
-    before: _ModesAt | None,
+    found: list[_ModesAt],
     value: float,
     halvings: int,
     count: int,
-) -> tuple[_ModesAt, Array]:
-    """The same modes at another value; by way of the middle where shapes change much."""
-    point = _point(pencil_at, value, count)
-    order, alike = _matched(here, before, point)
-    there = point._replace(pairs=_chosen(point.pairs, order))
-    if (alike >= _ALIKE).all() or halvings == 0:
-        return there, alike
-    middle, first = _step(pencil_at, here, before, (here.at + value) / 2.0, halvings - 1, count)
-    there, second = _step(pencil_at, middle, here, value, halvings - 1, count)
-    return there, np.minimum(first, second)
+) -> None:
+    """Add the same modes at another value; by way of the middle where shapes change much."""
+    pencil = pencil_at(value)
+    pairs = nearby(pencil, count)
+    order, likeness = _matched(found, value, pairs, pencil.M)
+    if (likeness >= ALIKE).all() or halvings == 0:
+        found.append(_ModesAt(value, _chosen(pairs, order), likeness))
+        return
+    _step(pencil_at, found, (found[-1].at + value) / 2.0, halvings - 1, count)
+    _step(pencil_at, found, value, halvings - 1, count)
 
 
-def _matched(here: _ModesAt, before: _ModesAt | None, there: _ModesAt) -> tuple[Array, Array]:
-    """Which modes of one point are those of the last, and how much alike their shapes are."""
+def _matched(
+    found: list[_ModesAt], value: float, pairs: Eigenpairs, mass: Any
+) -> tuple[Array, Array]:
+    """Which modes at a value are the last ones found, and how much alike their shapes are."""
     from scipy.optimize import linear_sum_assignment
 
+    here = found[-1]
     expected = here.pairs.values
-    if before is not None and here.at != before.at:
-        share = (there.at - here.at) / (here.at - before.at)
+    if len(found) > 1:
+        before = found[-2]
+        share = (value - here.at) / (here.at - before.at)
         expected = expected + share * (expected - before.pairs.values)
-    alike = _assurance(here.pairs.vectors, there.pairs.vectors, there.mass)
-    distance = np.abs(expected[:, None] - there.pairs.values)
-    scale = np.abs(expected)[:, None] + np.abs(there.pairs.values)
+    alike = assurance(here.pairs.vectors, pairs.vectors, mass)
+    distance = np.abs(expected[:, None] - pairs.values)
+    scale = np.abs(expected)[:, None] + np.abs(pairs.values)
     apart = distance / np.where(scale > 0.0, scale, 1.0)
     rows, columns = linear_sum_assignment(1.0 - alike + apart)
     return columns, alike[rows, columns]
 
 
-def _assurance(first: Array, second: Array, mass: Any) -> Array:
+def assurance(first: Array, second: Array, mass: Any) -> Array:
     """Modal assurance criterion of each shape with each other one, in the norm of the mass."""
     weighted = mass @ second
     between = np.abs(first.conj().T @ weighted) ** 2

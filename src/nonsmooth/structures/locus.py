@@ -101,7 +101,7 @@ def root_locus(
                 )
             return Pencil(computing_form(made), float(speed))
 
-    followed = follow(pencil_at, axis, count)
+    followed = follow(pencil_at, axis, count).rows(axis)
     variables = eigenvalue_variables(("value", "mode"), followed.values)
     variables["mac"] = (
         ("value", "mode"),
