@@ -65,7 +65,7 @@ def natural_modes(
     by itself, and its logarithmic decrement is not a number. A motion without a restoring force has
     the eigenvalue zero.
 
-    All modes come from a dense decomposition, in some seconds at 1000 degrees of freedom. A few of
+    All modes come from a dense decomposition, whose time grows with the cube of the size. A few of
     a large structure come from Arnoldi's method around zero, with one sparse factorisation; a
     second run makes sure that no eigenvalue was passed over.
 
