@@ -88,7 +88,7 @@ def test_a_floating_structure_has_rigid_motions_once(n):
 
 @pytest.mark.parametrize("n", [4, 18, 60])
 def test_a_floating_shaft_that_turns(n):
-    """Both displacements and both tilts ask for no force; a tilted rod goes around at Ip/Id of the speed.
+    """Displacements and tilts ask for no force; a tilted rod goes around at Ip/Id of the speed.
 
     It bends by (frequency over that of bending) squared, here 1e-6 of its tilt.
     """
