@@ -8,6 +8,7 @@ BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed-dev
 INSTALLED_BENCHMARK := $(VENV)/.installed-benchmark
 INSTALLED_DOCS := $(VENV)/.installed-docs
+VENV_ROSS := build/ross
 ENGINE_SOURCES := build_engine.py $(wildcard src/nonsmooth/engine/native/*)
 ENGINE := src/nonsmooth/engine/_declarations.py
 SANITIZED := build/sanitized/engine.so
@@ -16,7 +17,7 @@ PIP_INSTALL = $(PIP_INSTALL_TOOLS) --editable
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo chapter test check style slow bench docs engine sanitize wheels clean
+.PHONY: help demo chapter test check style slow ross bench docs engine sanitize wheels clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' Makefile
@@ -42,6 +43,9 @@ style: $(ENGINE) ## the same without the house tests, which are among those of m
 
 slow: $(ENGINE) ## run the long checks
 	$(BIN)/python -m pytest --numprocesses=$(JOBS) -m slow
+
+ross: $(ENGINE) $(VENV_ROSS)/.installed ## compare shafts with ROSS, which has an environment of its own
+	$(VENV_ROSS)/bin/python -m pytest tests/structures/test_ross.py -m slow -p no:cacheprovider
 
 bench: $(INSTALLED_BENCHMARK) $(ENGINE) ## run the benchmarks
 	$(BIN)/python benchmarks
@@ -84,6 +88,13 @@ $(INSTALLED): pyproject.toml studies/chapter/pyproject.toml
 	    $(PYTHON) -m venv --without-pip $(VENV) && \
 	    $(PYTHON) -m pip --python $(BIN)/python install --quiet pip; }
 	$(PIP_INSTALL) '.[dev]' --editable ./studies/chapter
+	@touch $@
+
+$(VENV_ROSS)/.installed: pyproject.toml | $(INSTALLED)
+	@echo "Setting up $(VENV_ROSS) (some minutes, once)"
+	$(PYTHON) -m venv --without-pip $(VENV_ROSS)
+	$(BIN)/python -m pip --python $(VENV_ROSS)/bin/python --disable-pip-version-check install \
+	    --quiet --editable '.[ross]' pytest hypothesis
 	@touch $@
 
 $(ENGINE): $(ENGINE_SOURCES) | $(INSTALLED)

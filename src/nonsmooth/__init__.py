@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
-    from nonsmooth import continuation, excitation, fatigue, measured, models, plot
+    from nonsmooth import continuation, excitation, fatigue, measured, models, plot, structures
     from nonsmooth.analysis.attractors import attractors
     from nonsmooth.analysis.basin_entropy import basin_entropy
     from nonsmooth.analysis.basin_fractions import basin_fractions
@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     from nonsmooth.runs.simulate import simulate
     from nonsmooth.runs.stroboscopic_map import StroboscopicMap
     from nonsmooth.runs.words import phase_word
+    from nonsmooth.structures.structure import Structure
     from nonsmooth.system.parts import Exit, Mode
     from nonsmooth.system.signals import Signal
     from nonsmooth.system.smoothed import smoothed
@@ -87,6 +88,7 @@ __all__ = [
     "RunWarning",
     "Signal",
     "StroboscopicMap",
+    "Structure",
     "Surface",
     "System",
     "__version__",
@@ -138,6 +140,7 @@ __all__ = [
     "smoothed",
     "smoothing_report",
     "stroboscopic_map",
+    "structures",
     "tie_parameters",
     "uncertainty_exponent",
     "wada_test",
@@ -145,6 +148,15 @@ __all__ = [
     "zero_one_test",
 ]
 
+_MODULES = (
+    "continuation",
+    "excitation",
+    "fatigue",
+    "measured",
+    "models",
+    "plot",
+    "structures",
+)
 _HOME = {
     "Exit": "nonsmooth.system.parts",
     "Mode": "nonsmooth.system.parts",
@@ -157,6 +169,7 @@ _HOME = {
     "RunWarning": "nonsmooth.errors",
     "Signal": "nonsmooth.system.signals",
     "StroboscopicMap": "nonsmooth.runs.stroboscopic_map",
+    "Structure": "nonsmooth.structures.structure",
     "Surface": "nonsmooth.system.surfaces",
     "System": "nonsmooth.system.system",
     "attractors": "nonsmooth.analysis.attractors",
@@ -210,7 +223,7 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("continuation", "excitation", "fatigue", "measured", "models", "plot"):
+    if name in _MODULES:
         return importlib.import_module(f"nonsmooth.{name}")
     if name not in _HOME:
         near = get_close_matches(name, __all__, n=1)

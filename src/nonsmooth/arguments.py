@@ -163,7 +163,7 @@ def _instance(kind: type) -> Allowed:
     )
 
 
-_PUBLIC = ("excitation", "fatigue", "measured", "models")
+_PUBLIC = ("excitation", "fatigue", "measured", "models", "structures")
 
 
 def _in_words(kind: Allowed | None, words: str) -> Allowed | None:

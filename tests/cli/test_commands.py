@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from cli.test_options import SMALL, files, write_days, write_record
+from cli.test_options import SMALL, files, write_days, write_record, write_shaft
 from nonsmooth.cli.table import TABLE
 
 FEW = {
@@ -133,6 +133,8 @@ def test_the_example_of_the_help_works(call, tmp_path, monkeypatch, name):
         write_record(tmp_path)
     if name == "alarm":
         write_days(tmp_path)
+    if name == "campbell":
+        write_shaft(tmp_path)
     program, *words = TABLE[name].example.split()
     result = call(*words)
     assert program == "nonsmooth" and words[0] == name

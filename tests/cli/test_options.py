@@ -132,6 +132,7 @@ SMALL = {
     "contacts": ["--over", "omega=0.7:0.8:2"],
     "regimes": ["--over", "omega=0.7:0.8:2", "--over", "a=0.7:0.8:2"],
     "continue": ["--over", "omega=0.7:0.9"],
+    "campbell": ["--speeds", "0:400:3"],
     "attractors": ["--over", "x=-1:1", "--over", "v=-1:1"],
     "picture": ["--over", "omega=0.8:0.9", "--over", "x=-1:1"],
     "basins": ["--over", "x=-1:1:4", "--over", "v=-1:1:4"],
@@ -178,8 +179,20 @@ def write_days(folder):
     return [folder / f"{day}.csv" for day in ("monday", "tuesday", "today")]
 
 
+def write_shaft(folder):
+    """A shaft in two bearings, as matrices with names."""
+    held = [ns.structures.Bearing([f"{i}x", f"{i}y"], 1e7, 5e2) for i in (0, 4)]
+    shaft = ns.structures.shaft([ns.structures.Beam(0.25, 0.05)] * 4, bearings=held)
+    mass, damping, stiffness = shaft.at_speed(0.0)
+    np.savez(folder / "shaft.npz", M=mass, C=damping, K=stiffness, G=shaft.gyroscopic,
+             coordinates=shaft.coordinates)  # fmt: skip
+    return folder / "shaft.npz"
+
+
 def files(name, folder):
     """What a command works on."""
+    if name == "campbell":
+        return [write_shaft(folder)]
     if name == "alarm":
         monday, tuesday, today = write_days(folder)
         given = ["--watched", today, "--columns", "x=CH1", "--mark", "KEY", "--rate", "0.2"]

@@ -76,7 +76,7 @@ TOLD_OTHERWISE = {
     ("Differentiator.for_band", "step"): "samples 2.5 apart",
 }
 # Arguments that are functions of the caller, whose own errors go through.
-FUNCTIONS = {"stress_intensity", "loads", "reference"}
+FUNCTIONS = {"stress_intensity", "loads", "reference", "structure"}
 STRUCK = ns.models.soft_impact()
 RUBBING = ns.System(
     states=["x", "v"],
@@ -247,6 +247,7 @@ def cases():
         "StroboscopicMap": (struck, {}),
         "Exit": ({"guard": "x"}, {}),
         "Mode": ({"flow": {"x": "v"}}, {}),
+        "Structure": ({"mass": np.eye(2), "stiffness": np.eye(2)}, {}),
         "Surface": ({"function": "v"}, {}),
         "Signal": ({"times": [0.0, 1.0, 2.0, 3.0], "values": [0.0, 1.0, 0.0, 1.0]}, {}),
         "System": ({"states": ["x", "v"], "equations": {"x": "v", "v": "-x"}}, {}),
@@ -284,6 +285,7 @@ def rig():
 VERBS = sorted(set(ns.__all__) - {
     "ModelError", "NonsmoothError", "OptionError", "ResultWarning", "RunError", "RunWarning",
     "__version__", "continuation", "explore", "excitation", "fatigue", "measured", "models", "plot",
+    "structures",
 })  # fmt: skip
 RIG = ["alarm", "indicators", "roc", "from_arrays", "velocities", "section", "diagram", "low_pass",
        "displacements", "dimensionless", "synchronous", "Channel", "Differentiator"]  # fmt: skip
@@ -352,6 +354,27 @@ def excitation():
     }  # fmt: skip
 
 
+@cache
+def structures():
+    """Right values of the functions of structures."""
+    s = ns.structures
+    shaft = s.shaft([s.Beam(0.2, 0.05)] * 2, bearings=[s.Bearing(["0x", "0y"], 1e7, 10.0)])
+    held = shaft.fixed(["2x", "2y"])
+    return {
+        "Beam": {"length": 0.2, "diameter": 0.05},
+        "Bearing": {"coordinates": ["1x"], "stiffness": 1e6},
+        "Disc": {"node": 1, "mass": 2.0, "diametral_inertia": 0.1, "polar_inertia": 0.2},
+        "Structure": {"mass": np.eye(2), "stiffness": np.eye(2)},
+        "campbell": {"structure": held, "speeds": [0.0, 100.0]},
+        "frequency_response": {"structure": held, "frequencies": [1.0, 2.0]},
+        "natural_modes": {"structure": held},
+        "root_locus": {"structure": held, "values": [0.0, 100.0]},
+        "shaft": {"elements": [s.Beam(0.2, 0.05)]},
+        "static_deflection": {"structure": held, "load": {"1x": 1.0}},
+        "unbalance_response": {"structure": held, "speeds": [10.0], "unbalance": (1, 1e-3)},
+    }
+
+
 def methods():
     """Methods of these packages, with right values."""
     f, measured, x = ns.fatigue, ns.measured, ns.excitation
@@ -362,6 +385,8 @@ def methods():
     table, sine = f.LoadTable([6.0, 16.0], [block, block]), x.harmonic(20.0, 3.0, duration=1.0)
     rig = excitation()["lives_under_shaking"]["rig"]
     bent = {"specimen": specimen, "crack": 6.0}
+    held, s = structures()["campbell"]["structure"], ns.structures
+    film = s.Bearing(["1x", "1y"], [1e6, 2e6], speeds=[0.0, 9.0])
     wave, t = fatigue()["count_cycles"].values()
     return [
         (f.CrackCurve(5.0, 1e-3, 426925.0, 54734.0).time, {"length": 6.0}),
@@ -382,6 +407,13 @@ def methods():
         (rig.load, {"excitation": sine, "crack": 6.0, "transient": 0.2}),
         (rig.parameters, {"crack": 6.0}),
         (rig.system, {"excitation": sine, "crack": 6.0}),
+        (film.at, {"coordinates": [0]}),
+        (film.at_speed, {"speed": 1.0}),
+        (film.scaled, {"stiffness": 2.0, "damping": 2.0}),
+        (held.at_speed, {"speed": 1.0}),
+        (held.fixed, {"coordinates": ["1x"]}),
+        (held.index, {"name": "1x"}),
+        (s.Disc.from_geometry, {"node": 1, "width": 0.1, "diameter": 0.2}),
         (sine.power, {}),
         (sine.scaled, {"factor": 2.0}),
         (sine.as_signal, {}),
@@ -446,6 +478,11 @@ def test_a_wrong_argument_of_fatigue_is_refused(name):
 @pytest.mark.parametrize("name", excitation())
 def test_a_wrong_argument_of_excitation_is_refused(name):
     check(name, getattr(ns.excitation, name), excitation()[name], {})
+
+
+@pytest.mark.parametrize("name", structures())
+def test_a_wrong_argument_of_structures_is_refused(name):
+    check(name, getattr(ns.structures, name), structures()[name], {})
 
 
 def test_a_wrong_argument_of_a_method_is_refused():

@@ -11,7 +11,17 @@ import pytest
 import xarray as xr
 
 import nonsmooth as ns
-from contract.test_wrong_arguments import HILL, RUBBING, STRUCK, WELLS, WRONG, data, fatigue, swing
+from contract.test_wrong_arguments import (
+    HILL,
+    RUBBING,
+    STRUCK,
+    WELLS,
+    WRONG,
+    data,
+    fatigue,
+    structures,
+    swing,
+)
 from nonsmooth.arguments import allowed_arguments
 
 # What a message may say in place of the argument: which variable or kind of dataset is missing.
@@ -40,6 +50,7 @@ MAKE = {
         "y": "x",
     },
     "branch": lambda: {"branches": data("branch"), "y": "x"},
+    "campbell": lambda: {"data": of_structures("campbell")},
     "cobweb": lambda: {"data": returns()},
     "comparison": lambda: {
         "computed": data("run"), "measured": data("run"), "x": "time", "y": "x",
@@ -104,6 +115,10 @@ MAKE = {
     "shaking": lambda: {
         "record": ns.excitation.harmonic(20.0, 3.0, duration=1.0).to_dataset(),
     },
+    "frequency_response": lambda: {"data": of_structures("frequency_response")},
+    "mode_shapes": lambda: {"data": of_structures("natural_modes")},
+    "root_locus": lambda: {"data": of_structures("root_locus")},
+    "unbalance_response": lambda: {"data": of_structures("unbalance_response")},
     "smoothing": lambda: {
         "data": ns.smoothing_report(RUBBING, epsilons=(0.1, 0.01), periods=1, samples=20)
     },
@@ -134,6 +149,11 @@ def test_every_annotation_of_a_picture_has_a_check():
         if kind is None
     }
     assert open_ == {("phase_portrait_3d", "ax")}  # axes in space, which the function looks at
+
+
+@cache
+def of_structures(name):
+    return getattr(ns.structures, name)(**structures()[name])
 
 
 @cache

@@ -1,9 +1,10 @@
 """Every block of the README and of the documentation runs, in order, page by page.
 
 A TOML block below the name of a file is that file. Commands that read CSV files find those that the
-first block of Python on their page writes. Indented lines right below a block of Python are what it
-prints, as doctest compares it: spaces do not count, and ``...`` stands for anything. Pictures on
-pages of `DRAWN` are those that the blocks of the page save.
+first block of Python on their page writes, those that read matrices the first file of these.
+Indented lines right below a block of Python are what it prints, as doctest compares it: spaces do
+not count, and ``...`` stands for anything. Pictures on pages of `DRAWN` are those that the blocks
+of the page save. Blocks of ``py``, which need ROSS, run in `tests/structures/test_ross.py`.
 """
 
 import contextlib
@@ -27,7 +28,7 @@ LONG = {
     "rotor.md", "smoothing.md", "two-parameters.md",
     "case-studies/cracked-beam.md", "case-studies/fatigue-rig.md", "case-studies/mole.md",
 }  # fmt: skip
-DRAWN = {"tutorials", "case-studies", "explanation", "figures.md"}
+DRAWN = {"tutorials", "case-studies", "explanation", "figures.md", "structures.md"}
 
 
 def is_long(page: Path) -> bool:
@@ -87,6 +88,12 @@ def test_shell_blocks_run(page, folder):
     text = "".join(blocks(page, "sh"))
     if ".csv" in text:
         exec(compile(blocks(page, "python")[0], page.name, "exec"), {})
+    if ".npz" in text:
+        names = {}
+        for block in blocks(page, "python"):
+            exec(compile(block, page.name, "exec"), names)
+            if "np.savez" in block:
+                break
     for line in text.splitlines():
         command, _, target = line.partition(" > ")
         program, *arguments = command.split()

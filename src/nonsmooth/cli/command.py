@@ -293,6 +293,8 @@ _ARGUMENTS = {
     " window, to which a script may have added some.",
     "record": "File of the record: .csv with a column for the times and one for each channel;"
     " a fit takes .nc too.",
+    "shaft": "File .npz or .mat with the matrices of a shaft and the names of its coordinates, or"
+    " a folder with a file for each matrix.",
     "file": "File of basins, which nonsmooth basins --save basins.nc writes.",
 }
 
@@ -327,6 +329,8 @@ def _arguments(shape: str) -> Iterator[click.Argument]:
     elif shape.endswith("..."):
         name = "files" if shape == "FILE..." else shape.removesuffix("...").lower()
         yield click.Argument([name], nargs=-1, required=True, metavar=shape, type=click.Path())
+    elif shape == "SHAFT":
+        yield click.Argument(["shaft"], metavar=shape, type=click.Path())
     elif shape == "FILE.csv":
         yield click.Argument(["record"], metavar=shape, type=click.Path())
     else:

@@ -13,7 +13,8 @@ import numpy as np
 
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError
-from nonsmooth.models.rotors.matrices import matrix_rotor_words, read_archive, square_matrix
+from nonsmooth.matrix_files import read_archive
+from nonsmooth.models.rotors.matrices import matrix_rotor_words, square_matrix
 from nonsmooth.system.parts import Text
 from nonsmooth.system.system import System
 

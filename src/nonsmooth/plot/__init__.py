@@ -11,12 +11,16 @@ from nonsmooth.drawings import Drawing, drawing_of
 from nonsmooth.plot.alarms import alarm, roc
 from nonsmooth.plot.animation import animate
 from nonsmooth.plot.basins import attractors, basins
+from nonsmooth.plot.bode import frequency_response, unbalance_response
 from nonsmooth.plot.branches import branch
+from nonsmooth.plot.campbell_diagram import campbell
 from nonsmooth.plot.cascades import waterfall
 from nonsmooth.plot.compared_lives import lives
 from nonsmooth.plot.comparisons import comparison
+from nonsmooth.plot.deflections import mode_shapes
 from nonsmooth.plot.diagrams import bifurcation
 from nonsmooth.plot.edges import edge_state
+from nonsmooth.plot.eigenvalue_paths import root_locus
 from nonsmooth.plot.erosion import erosion_profile
 from nonsmooth.plot.exponents import exponents, translation
 from nonsmooth.plot.figures import print_figure, save_figure
@@ -63,6 +67,7 @@ __all__ = [
     "bifurcation",
     "bifurcation_picture",
     "branch",
+    "campbell",
     "cobweb",
     "comparison",
     "contact_regions",
@@ -75,12 +80,14 @@ __all__ = [
     "exponents",
     "fit",
     "fit_spectra",
+    "frequency_response",
     "growth_curve",
     "homoclinic_points",
     "lives",
     "load_cycles",
     "manifold",
     "mode_colours",
+    "mode_shapes",
     "multipliers",
     "orbit",
     "orbit_history",
@@ -95,6 +102,7 @@ __all__ = [
     "regime_map",
     "return_map",
     "roc",
+    "root_locus",
     "save_animation",
     "save_figure",
     "section",
@@ -107,6 +115,7 @@ __all__ = [
     "time_history",
     "transient_section",
     "translation",
+    "unbalance_response",
     "uncertainty",
     "waterfall",
 ]

@@ -22,7 +22,7 @@ from nonsmooth.system.algebra.differentiate import rate_of_change
 from nonsmooth.system.algebra.graph import Graph
 from nonsmooth.system.algebra.identities import is_rounding
 from nonsmooth.system.compile.mode_forms import ModeForms
-from nonsmooth.system.compile.structure import Structure
+from nonsmooth.system.compile.structure import SystemStructure
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.equations.mode_equations import is_relation
 from nonsmooth.system.equations.resolve import Resolver
@@ -61,7 +61,7 @@ class Section:
 
 
 _KEPT = 8  # sections of one structure: large ones take megabytes
-_known: WeakKeyDictionary[Structure, dict[str, Section]] = WeakKeyDictionary()
+_known: WeakKeyDictionary[SystemStructure, dict[str, Section]] = WeakKeyDictionary()
 
 
 def section_names(system: System) -> set[str]:
@@ -142,7 +142,7 @@ def _names(system: System, moving: list[str]) -> dict[str, tuple[str, ...]]:
 # ---------------------------------------------------------------- where there is a section
 
 
-def _moves(structure: Structure, name: str, equation: Equation) -> bool:
+def _moves(structure: SystemStructure, name: str, equation: Equation) -> bool:
     """Whether an expression changes along the motion of a mode, in one of its cells."""
     running = [forms for forms in structure.running if forms.declared == name]
     return any(not _still(structure.graph, forms.resolver, equation) for forms in running)
@@ -198,7 +198,7 @@ def _half(
 
 
 def _section(
-    structure: Structure, split: System, names: Mapping[str, tuple[str, ...]], value: str
+    structure: SystemStructure, split: System, names: Mapping[str, tuple[str, ...]], value: str
 ) -> Section:
     parents = {new: (name, side) for name, made in names.items() for side, new in enumerate(made)}
     whole = list(structure.running)
@@ -218,9 +218,9 @@ def _section(
 
 
 def _same(
-    structure: Structure,
+    structure: SystemStructure,
     whole: list[ModeForms],
-    halves: Structure,
+    halves: SystemStructure,
     forms: ModeForms,
     name: str,
 ) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.errors import ModelError
+from nonsmooth.matrix_files import read_matrix
 from nonsmooth.models.rotors.texts import first_guess, rotor_words
 from nonsmooth.system.parts import Exit, Mode
 
-__all__ = ["matrix_rotor_words", "read_archive", "square_matrix"]
+__all__ = ["matrix_rotor_words", "square_matrix"]
 
 
 _SHARED = ("reach", "springs", "preload", "pull")
@@ -38,7 +38,7 @@ _LABELS = {
     "vy": "velocity of the rotor at the ring in y",
 }
 _OTHER_NAMES = ("eta", "nu1", "nu2", "K", "eta_m", "rho")
-_SUFFIXES = ".npy, .csv and .mtx"
+_CURE = "; an .npz file with all matrices is read by MatrixRotor.from_file"
 
 
 def matrix_rotor_words(
@@ -157,7 +157,7 @@ def _sum(factors: np.ndarray, names: Iterable[str]) -> str:
 def square_matrix(name: str, given: Any, size: int | None = None) -> np.ndarray:
     """Square array of finite numbers, from an array or the path of a file."""
     if isinstance(given, str | os.PathLike):
-        array, name = _read(name, Path(given)), f"{name} ({Path(given).name})"
+        array, name = read_matrix(name, Path(given), _CURE), f"{name} ({Path(given).name})"
     else:
         array = given
     array = array.toarray() if hasattr(array, "toarray") else array  # sparse, as scipy has it
@@ -182,45 +182,3 @@ def square_matrix(name: str, given: Any, size: int | None = None) -> np.ndarray:
         row, column = np.argwhere(~np.isfinite(matrix))[0]
         raise ModelError(f"{name}[{row}, {column}] = {matrix[row, column]} is not finite")
     return matrix
-
-
-def read_archive(path: Path, known: tuple[str, ...], needed: tuple[str, ...]) -> dict[str, Any]:
-    """Arrays of an ``.npz`` file by name; others than those known are refused."""
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            if not isinstance(archive, np.lib.npyio.NpzFile):
-                raise ValueError("it holds one array without a name")
-            arrays = {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise ModelError(f"path: {path.name} cannot be read as .npz: {error}") from None
-    for name in needed:
-        if name not in arrays:
-            raise ModelError(
-                f"{path.name} has no array {name!r}; it has {sorted(arrays)}, and these have a"
-                f" meaning: {', '.join(known)}"
-            )
-    for name in arrays:
-        if name not in known:
-            raise ModelError(
-                f"{path.name}: array {name!r} has no meaning here; these have: {', '.join(known)}"
-            )
-    return arrays
-
-
-def _read(name: str, path: Path) -> Any:
-    suffix = path.suffix.lower()
-    try:
-        if suffix == ".npy":
-            return np.load(path, allow_pickle=False)
-        if suffix == ".csv":
-            return np.loadtxt(path, delimiter=",", ndmin=2)
-        if suffix == ".mtx":
-            from scipy.io import mmread
-
-            return mmread(path)
-    except (OSError, ValueError, EOFError, TypeError, OverflowError) as error:
-        raise ModelError(f"{name}: {path.name} cannot be read: {error}") from None
-    raise ModelError(
-        f"{name}: {path.name} has none of the suffixes {_SUFFIXES}; an .npz file with all matrices"
-        " is read by MatrixRotor.from_file"
-    )

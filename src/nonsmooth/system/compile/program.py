@@ -19,7 +19,7 @@ from nonsmooth.engine.record import Rows, rows_of, zeros
 from nonsmooth.engine.tables import EXACT, TAYLOR, Program, Sizes, choose_kernels, fill_set
 from nonsmooth.system.algebra.linear import Basis, Harmonic, Input, LinearForm, Power, State
 from nonsmooth.system.compile.mode_forms import Forms
-from nonsmooth.system.compile.structure import Structure
+from nonsmooth.system.compile.structure import SystemStructure
 from nonsmooth.system.compile.taylor_instructions import Instruction, Operand, TaylorCode
 from nonsmooth.system.signals import LAST_DERIVATIVE, signal_arrays
 from nonsmooth.system.text.expressions import Call, Expression, Name, Number
@@ -37,7 +37,7 @@ class Compiled:
 
 
 @lru_cache(maxsize=32)  # a structure is shared by systems, and so are its arrays
-def compile_structure(structure: Structure) -> Compiled:
+def compile_structure(structure: SystemStructure) -> Compiled:
     """Arrays of a system, independent of parameter values."""
     states = tuple(structure.states)
     modes = list(structure.modes.values())
@@ -109,7 +109,7 @@ def compile_structure(structure: Structure) -> Compiled:
 
 def _collect(
     tape: _ParameterTape,
-    structure: Structure,
+    structure: SystemStructure,
     linear: _LinearRows,
     taylor: _TaylorRows,
     others: list[Expression | None],
@@ -127,7 +127,7 @@ def _collect(
     tape.finish_literals()
 
 
-def _wiring(structure: Structure, most: int) -> tuple[Rows, Rows]:
+def _wiring(structure: SystemStructure, most: int) -> tuple[Rows, Rows]:
     """Rows of the modes and of their exits: targets, slaved states and states that are reset."""
     count = len(structure.modes)
     made = zeros(Program.struct, modes=(count,), exits=(count, most))
@@ -149,12 +149,12 @@ def _wiring(structure: Structure, most: int) -> tuple[Rows, Rows]:
     return modes, exits
 
 
-def _places(structure: Structure, names: Container[str]) -> list[int]:
+def _places(structure: SystemStructure, names: Container[str]) -> list[int]:
     """Numbers of the states that are in a set."""
     return [i for i, state in enumerate(structure.states) if state in names]
 
 
-def _static_expression(structure: Structure, name: str) -> Expression | None:
+def _static_expression(structure: SystemStructure, name: str) -> Expression | None:
     """Expression of the period, or of a state at rest where it is not zero."""
     equation = structure.period if name == "period" else structure.initial.get(name)
     if equation is None:
@@ -163,7 +163,7 @@ def _static_expression(structure: Structure, name: str) -> Expression | None:
     return None if name != "period" and value == Number(0.0) else value
 
 
-def _columns(structure: Structure) -> dict[Basis, int]:
+def _columns(structure: SystemStructure) -> dict[Basis, int]:
     """Column of each basis function among the augmented coordinates."""
     columns: dict[Basis, int] = {State(state): i for i, state in enumerate(structure.states)}
     for order in range(structure.time_order + 1):

@@ -1,6 +1,6 @@
 """What the texts of a system mean, before any parameter has a value.
 
-A `Structure` holds the parsed equations and, for each mode, what they come to. It does not
+A `SystemStructure` holds the parsed equations and, for each mode, what they come to. It does not
 depend on parameter values, so all systems with the same texts share one, whether they come from
 ``with_parameters`` or from a model that is called again with other numbers.
 """
@@ -35,12 +35,12 @@ from nonsmooth.system.surfaces import Surface
 from nonsmooth.system.text.expressions import Expression, name_set
 from nonsmooth.system.text.grammar import parse_condition
 
-__all__ = ["Structure", "structure_of"]
+__all__ = ["SystemStructure", "structure_of"]
 
 _MOST_EXITS = 60  # of a cell: results have six bits for each exit of a path
 
 
-class Structure:
+class SystemStructure:
     """Parsed texts of a system and what they come to in each of its modes."""
 
     def __init__(self, system: SystemData) -> None:
@@ -292,11 +292,11 @@ def _facts(system: SystemData) -> tuple[Inequality, ...]:
 
 
 _MOST_KNOWN = 32  # structures that are remembered; one of a rotor in a ring takes a second to make
-_known: OrderedDict[Hashable, Structure] = OrderedDict()  # the one asked for last stands last
+_known: OrderedDict[Hashable, SystemStructure] = OrderedDict()  # the one asked for last stands last
 _lock = Lock()
 
 
-def structure_of(system: SystemData) -> Structure:
+def structure_of(system: SystemData) -> SystemStructure:
     """The structure of a system; those of the last few texts are remembered."""
     texts = (
         system.states, tuple(system.parameters), system.modes, system.definitions, system.outputs,
@@ -306,12 +306,12 @@ def structure_of(system: SystemData) -> Structure:
     try:  # as texts: 1, 1.0 and True are equal, but not for who reads them
         key = repr(texts), tuple(system.signals.items())
     except ValueError:  # a whole number too long to be written; it is refused where it stands
-        return Structure(system)
+        return SystemStructure(system)
     with _lock:
         if key in _known:
             _known.move_to_end(key)
             return _known[key]
-    made = Structure(system)
+    made = SystemStructure(system)
     with _lock:
         _known[key] = made
         if len(_known) > _MOST_KNOWN:

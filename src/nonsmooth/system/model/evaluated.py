@@ -10,7 +10,7 @@ from functools import cached_property
 from nonsmooth.errors import ModelError
 from nonsmooth.system.algebra.linear import LinearForm, Power
 from nonsmooth.system.compile.program import Compiled, compile_structure
-from nonsmooth.system.compile.structure import Structure, structure_of
+from nonsmooth.system.compile.structure import SystemStructure, structure_of
 from nonsmooth.system.data import SystemData
 from nonsmooth.system.parts import Text
 from nonsmooth.system.text.evaluate import constant_value
@@ -30,7 +30,7 @@ class EvaluatedSystem(SystemData):
         return parameter_values(self.parameters)
 
     @cached_property
-    def structure(self) -> Structure:
+    def structure(self) -> SystemStructure:
         """What the texts mean; shared by systems that differ in parameter values only."""
         return structure_of(self)
 

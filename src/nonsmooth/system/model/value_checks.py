@@ -18,7 +18,7 @@ import numpy.typing as npt
 from nonsmooth.engine.tables import FREE, RESTING
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.algebra.linear import LinearForm, State
-from nonsmooth.system.compile.structure import Structure
+from nonsmooth.system.compile.structure import SystemStructure
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.model.evaluated import EvaluatedSystem, static_value
 from nonsmooth.system.parts import Text
@@ -56,7 +56,7 @@ def check_structure(system: EvaluatedSystem) -> None:
                 )
 
 
-def _dependences(structure: Structure, drifting: str) -> Iterator[tuple[str, bool]]:
+def _dependences(structure: SystemStructure, drifting: str) -> Iterator[tuple[str, bool]]:
     """Everything that a drift must not enter, and whether it does."""
     for forms in structure.modes.values():
         if forms.taylor is not None:
@@ -112,7 +112,7 @@ def _check_guard(where: str, guard: Expression, values: Mapping[str, float]) -> 
         )
 
 
-def _moving_at_rest(structure: Structure, declared: str) -> set[str]:
+def _moving_at_rest(structure: SystemStructure, declared: str) -> set[str]:
     """Exits of a mode whose guards change while it is at rest, such as those that read a force."""
     return {
         way

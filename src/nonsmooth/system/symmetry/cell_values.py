@@ -13,7 +13,7 @@ import numpy.typing as npt
 from nonsmooth.system.algebra.graph import Graph
 from nonsmooth.system.algebra.value_tape import ValueTape, sizes_of, table
 from nonsmooth.system.compile.mode_forms import ModeForms
-from nonsmooth.system.compile.structure import Structure
+from nonsmooth.system.compile.structure import SystemStructure
 from nonsmooth.system.equations.slaved import Relations, partials
 from nonsmooth.system.text.expressions import Expression
 
@@ -105,7 +105,7 @@ class CellValues:
 
 
 @lru_cache(maxsize=32)  # a structure is shared by systems, and so are these
-def cell_values(structure: Structure) -> tuple[CellValues, ...]:
+def cell_values(structure: SystemStructure) -> tuple[CellValues, ...]:
     """Equations of each cell that runs, in order."""
     return tuple(CellValues(structure.graph, forms) for forms in structure.running)
 

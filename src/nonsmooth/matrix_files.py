@@ -1,0 +1,79 @@
+"""Matrices as arrays from files: one to a file, or several by name."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.errors import ModelError
+
+__all__ = ["MATRIX_SUFFIXES", "read_archive", "read_matrix"]
+
+MATRIX_SUFFIXES = (".npy", ".csv", ".mtx")
+_FAULTS = (OSError, ValueError, EOFError, TypeError, OverflowError, zipfile.BadZipFile)
+
+
+def read_matrix(name: str, path: Path, cure: str = "") -> Any:
+    """Array of a file that holds one; that of a Matrix Market file may be sparse."""
+    suffix = path.suffix.lower()
+    try:
+        if suffix == ".npy":
+            return np.load(path, allow_pickle=False)
+        if suffix == ".csv":
+            return np.loadtxt(path, delimiter=",", ndmin=2)
+        if suffix == ".mtx":
+            from scipy.io import mmread
+
+            return mmread(path)
+    except _FAULTS as error:
+        raise ModelError(f"{name}: {path.name} cannot be read: {error}") from None
+    raise ModelError(
+        f"{name}: {path.name} has none of the suffixes {', '.join(MATRIX_SUFFIXES)}{cure}"
+    )
+
+
+def read_archive(path: Path, known: Sequence[str], needed: Sequence[str]) -> dict[str, Any]:
+    """Arrays of an ``.npz`` or ``.mat`` file by name; others than those known are refused."""
+    arrays = _mat(path) if path.suffix.lower() == ".mat" else _npz(path)
+    for name in needed:
+        if name not in arrays:
+            raise ModelError(
+                f"{path.name} has no array {name!r}; it has {sorted(arrays)}, and these have a"
+                f" meaning: {', '.join(known)}"
+            )
+    for name in arrays:
+        if name not in known:
+            raise ModelError(
+                f"{path.name}: array {name!r} has no meaning here; these have: {', '.join(known)}"
+            )
+    return arrays
+
+
+def _npz(path: Path) -> dict[str, Any]:
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            if not isinstance(archive, np.lib.npyio.NpzFile):
+                raise ValueError("it holds one array without a name")
+            return {name: archive[name] for name in archive.files}
+    except _FAULTS as error:
+        raise ModelError(f"path: {path.name} cannot be read as .npz: {error}") from None
+
+
+def _mat(path: Path) -> dict[str, Any]:
+    """Variables of MATLAB up to version 7; later files are HDF5, in which sparse means else."""
+    from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
+
+    try:
+        found = loadmat(path)
+    except NotImplementedError:
+        raise ModelError(
+            f"path: {path.name} is a file of MATLAB's version 7.3; save it with '-v7'"
+        ) from None
+    except (*_FAULTS, MatReadError) as error:
+        raise ModelError(f"path: {path.name} cannot be read as .mat: {error}") from None
+    return {name: array for name, array in found.items() if not name.startswith("__")}

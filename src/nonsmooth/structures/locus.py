@@ -1,0 +1,121 @@
+r"""`root_locus`: the eigenvalues of a structure while one of its values changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from nonsmooth.arguments import checked
+from nonsmooth.errors import OptionError
+from nonsmooth.real_numbers import finite_numbers, whole_number
+from nonsmooth.structures.critical_speeds import speeds_of
+from nonsmooth.structures.following import follow
+from nonsmooth.structures.modes import eigenvalue_variables
+from nonsmooth.structures.pencil import Pencil, computing_form
+from nonsmooth.structures.structure import Structure
+from nonsmooth.version import __version__
+
+__all__ = ["root_locus"]
+
+
+@checked
+def root_locus(
+    structure: Structure | Callable[..., Any],
+    values: Sequence[float],
+    *,
+    count: int = 8,
+    speed: float = 0.0,
+    name: str = "value",
+    units: str = "",
+) -> xr.Dataset:
+    r"""Eigenvalues of a structure over one of its values, or over the speed.
+
+    Parameters
+    ----------
+    structure : Structure or callable
+        A function that returns the `Structure` for each value, such as that of a damping; or one
+        structure, whose values are speeds.
+    values : sequence of float
+        The values, increasing or decreasing, two or more.
+    count : int, optional
+        How many modes, the slowest ones at the first value that oscillate.
+    speed : float, optional
+        Speed of the shaft in rad/s, where ``structure`` is a function.
+    name, units : str, optional
+        What the value is, for labels.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``value`` and ``mode``: the complex ``eigenvalue``, and what is read from it, as in
+        `natural_modes`; ``mac``, the modal assurance criterion of a shape with that at the value
+        before. ``stable`` over ``value``: whether all of these modes decay.
+
+    Raises
+    ------
+    OptionError
+        When values are too few, or the function returns something else.
+
+    See Also
+    --------
+    campbell : frequencies over the speed, with critical speeds.
+    nonsmooth.plot.root_locus : a picture.
+
+    Notes
+    -----
+    Modes are followed as in `campbell`. A mode whose motion becomes overdamped goes on along the
+    real axis with one of its two eigenvalues.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> def damped(c):
+    ...     return ns.Structure([[1.0]], [[1.0]], damping=[[c]])
+    >>> locus = ns.structures.root_locus(damped, [-0.2, 0.2], name="damping")
+    >>> locus["stable"].values
+    array([False,  True])
+    """
+    count = whole_number("count", count)
+    if isinstance(structure, Structure):
+        fixed = computing_form(structure)
+        axis = speeds_of(values, fixed, least=2, name="values")
+        name, units = "speed of the shaft", "rad/s"
+
+        def pencil_at(value: float) -> Pencil:
+            return Pencil(fixed, value)
+    else:
+        axis = finite_numbers("values", values)
+        steps = np.diff(axis) if axis.ndim == 1 else np.zeros(0)
+        if not steps.size or not ((steps > 0.0).all() or (steps < 0.0).all()):
+            raise OptionError("values: give two or more, increasing or decreasing")
+        make = structure
+
+        def pencil_at(value: float) -> Pencil:
+            made = make(value)
+            if not isinstance(made, Structure):
+                raise OptionError(
+                    f"structure({value:g}) is {made!r:.40}; the function returns a Structure"
+                )
+            return Pencil(computing_form(made), float(speed))
+
+    followed = follow(pencil_at, axis, count).rows(axis)
+    variables = eigenvalue_variables(("value", "mode"), followed.values)
+    variables["mac"] = (
+        ("value", "mode"),
+        followed.likeness,
+        {"long_name": "modal assurance criterion with the value before", "units": "1"},
+    )
+    stable = (followed.values.real < 0.0).all(axis=1)
+    variables["stable"] = "value", stable, {"long_name": "whether all modes decay"}
+    numbers = np.arange(1, followed.values.shape[1] + 1)
+    return xr.Dataset(
+        variables,
+        {
+            "value": ("value", axis, {"long_name": name, "units": units}),
+            "mode": ("mode", numbers, {"long_name": "mode"}),
+        },
+        {"nonsmooth_version": __version__},
+    )

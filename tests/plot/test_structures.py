@@ -1,0 +1,113 @@
+"""Pictures of linear structures show what the datasets hold."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.structures import Beam, Bearing, campbell, natural_modes, root_locus, shaft
+
+
+@pytest.fixture(scope="module")
+def rotor():
+    held = [Bearing([f"{i}x", f"{i}y"], [[2e7, 0.0], [0.0, 1e7]], 5e3) for i in (0, 4)]
+    return shaft([Beam(0.25, 0.08)] * 4, bearings=held)
+
+
+@pytest.fixture(scope="module")
+def diagram(rotor):
+    return campbell(rotor, np.linspace(0.0, 3000.0, 13), count=4, harmonics=(1.0, 2.0))
+
+
+@pytest.fixture(autouse=True)
+def closed():
+    yield
+    plt.close("all")
+
+
+def curves(ax, colour):
+    """Points of all lines of a colour."""
+    found = [line.get_xydata() for line in ax.lines if line.get_color() == colour]
+    return np.concatenate(found)
+
+
+def has_point(points, x, y):
+    return bool(np.isclose(points, [x, y]).all(axis=1).any())
+
+
+@pytest.mark.parametrize(("units", "across", "up"), [("rad/s", 1.0, 1.0), ("rpm", 30.0, 0.5)])
+def test_a_campbell_diagram_has_every_point_in_the_colour_of_its_whirl(diagram, units, across, up):
+    across, up = (across / np.pi, up / np.pi) if units == "rpm" else (across, up)
+    ax = ns.plot.campbell(diagram, units=units)
+    points = {sense: curves(ax, ns.plot.PALETTE[colour])
+              for sense, colour in (("forward", "blue"), ("backward", "vermilion"))}  # fmt: skip
+    for i, speed in enumerate(diagram["speed"].values):
+        for mode in range(diagram.sizes["mode"]):
+            sense = diagram["direction"].values[i, mode]
+            if sense in points:
+                y = diagram["damped_frequency"].values[i, mode]
+                assert has_point(points[sense], speed * across, y * up)
+    circles = next(line for line in ax.lines if line.get_marker() == "o").get_xydata()
+    assert len(circles) == diagram.sizes["critical"] >= 4
+    np.testing.assert_allclose(circles[:, 0], diagram["critical_speed"] * across)
+    np.testing.assert_allclose(
+        circles[:, 1], diagram["critical_speed"] * diagram["critical_harmonic"] * up
+    )
+    assert {text.get_text() for text in ax.texts} == {"1X", "2X"}
+
+
+def test_a_mode_shape_is_deflected_most_at_its_largest_entry(rotor):
+    modes = natural_modes(rotor, 500.0, count=3)
+    axes = ns.plot.mode_shapes(modes, [1, 3])
+    for ax, number in zip(axes, (1, 3), strict=True):
+        lines = [line for line in ax.lines if line.get_marker() == "."]
+        assert [line.get_label() for line in lines] == ["x", "y"]
+        drawn = np.abs([line.get_ydata() for line in lines])
+        shape = np.abs(modes["shape"].sel(mode=number).values).reshape(5, 4)[:, :2]
+        assert drawn.max() == pytest.approx(1.0)
+        # straight along the shaft but for damping, so every node is where its amplitude says
+        np.testing.assert_allclose(drawn, (shape / shape.max()).T, atol=0.1)
+        assert ax.get_title(loc="left").startswith(f"mode {number}: ")
+
+
+def test_coordinates_without_directions_are_drawn_in_their_order():
+    chain = ns.Structure(np.eye(3), 2 * np.eye(3) - np.eye(3, k=1) - np.eye(3, k=-1))
+    (ax,) = ns.plot.mode_shapes(natural_modes(chain), 2)
+    assert ax.get_xlabel() == "coordinate"
+    values = next(line for line in ax.lines if line.get_marker() == ".").get_ydata()
+    np.testing.assert_allclose(np.abs(values), [1.0, 0.0, 1.0], atol=1e-12)
+
+
+def test_amplitude_and_phase_of_an_unbalance_response(rotor):
+    found = ns.structures.unbalance_response(rotor, np.linspace(1.0, 900.0, 50), (2, 1e-3))
+    above, below = ns.plot.unbalance_response(found, "2y")
+    np.testing.assert_array_equal(
+        above.lines[0].get_ydata(), found["amplitude"].sel(coordinate="2y")
+    )
+    phase = np.radians(below.lines[0].get_ydata())
+    turned = np.exp(1j * phase) * found["amplitude"].sel(coordinate="2y").values
+    np.testing.assert_allclose(turned, found["displacement"].sel(coordinate="2y"), rtol=1e-12)
+    (polar,) = ns.plot.unbalance_response(found, "2y", kind="polar")
+    path = next(line for line in polar.lines if line.get_label() == "2y").get_xydata()
+    np.testing.assert_array_equal(path @ [1.0, 1.0j], found["displacement"].sel(coordinate="2y"))
+
+
+def test_a_frequency_response_has_a_curve_for_each_pair(rotor):
+    found = ns.structures.frequency_response(rotor, [10.0, 100.0, 1000.0], inputs=["1x", "2x"])
+    above, _ = ns.plot.frequency_response(found, ["1x", "3x"], "2x")
+    assert [line.get_label() for line in above.lines] == ["1x over 2x", "3x over 2x"]
+    expected = found["amplitude"].sel(output="3x", input="2x")
+    np.testing.assert_array_equal(above.lines[1].get_ydata(), expected)
+    with pytest.raises(ns.OptionError, match="outputs: 6 pairs with inputs; at most 4"):
+        ns.plot.frequency_response(found, ["1x", "2x", "3x"], ["1x", "2x"])
+
+
+def test_a_root_locus_shows_every_path_and_the_border(rotor):
+    found = root_locus(rotor, np.linspace(0.0, 900.0, 7), count=3)
+    ax = ns.plot.root_locus(found)
+    segments = np.array(ax.collections[0].get_segments())
+    values = found["eigenvalue"].values
+    assert len(segments) == 6 * 3
+    assert has_point(segments[:, 0], values[2, 1].real, values[2, 1].imag)
+    low, high = ax.get_xlim()
+    assert low < 0.0 < high

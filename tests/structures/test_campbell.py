@@ -1,0 +1,198 @@
+"""Campbell diagrams against closed forms, and critical speeds against a direct eigenproblem."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+import nonsmooth as ns
+from nonsmooth.structures import Beam, Bearing, Disc, campbell, shaft
+
+MASS, TILTING, POLAR, SPRING, TURNING = 5.0, 0.06, 0.1, 2e5, 3e3
+
+
+def jeffcott(damping=0.0, polar=POLAR):
+    """A disc in the middle of a massless shaft: it moves and tilts, one apart from the other."""
+    gyroscopic = np.zeros((4, 4))
+    gyroscopic[2, 3], gyroscopic[3, 2] = polar, -polar
+    return ns.Structure(
+        np.diag([MASS, MASS, TILTING, TILTING]),
+        np.diag([SPRING, SPRING, TURNING, TURNING]),
+        damping=np.diag([damping, damping, 0.0, 0.0]),
+        gyroscopic=gyroscopic,
+        coordinates=["1x", "1y", "1rx", "1ry"],
+    )
+
+
+def tilting(speed, polar=POLAR):
+    """Backward and forward frequency: Id w^2 - Ip speed w - k = 0."""
+    root = np.sqrt((polar * speed) ** 2 + 4.0 * TILTING * TURNING)
+    return np.abs(polar * speed - root) / (2 * TILTING), (polar * speed + root) / (2 * TILTING)
+
+
+def test_curves_of_the_jeffcott_rotor():
+    speeds = np.linspace(0.0, 800.0, 33)
+    found = campbell(jeffcott(), speeds, count=4)
+    moving = math.sqrt(SPRING / MASS)
+    backward, forward = tilting(speeds)
+    exact = np.sort(np.stack([np.full(33, moving), np.full(33, moving), backward, forward]), axis=0)
+    curves = np.sort(found["damped_frequency"].values.T, axis=0)
+    np.testing.assert_allclose(curves, exact, rtol=1e-12)
+    # each curve is one of the four all the way, through the crossings
+    names = {"moving": np.full(33, moving), "backward": backward, "forward": forward}
+    kept = [
+        next(name for name, each in names.items() if np.allclose(curve, each, rtol=1e-10))
+        for curve in found["damped_frequency"].values.T
+    ]
+    assert sorted(kept) == ["backward", "forward", "moving", "moving"]
+
+
+@pytest.mark.parametrize("polar", [0.02, 0.05, 0.1])
+def test_critical_speeds_of_the_jeffcott_rotor(polar):
+    """(Id - Ip) w^2 = k forward where the disc is not thin, (Id + Ip) w^2 = k backward."""
+    found = campbell(jeffcott(polar=polar), np.linspace(0.0, 900.0, 10), count=4)
+    exact = [math.sqrt(SPRING / MASS)] * 2 + [math.sqrt(TURNING / (TILTING + polar))]
+    if polar < TILTING:
+        exact.append(math.sqrt(TURNING / (TILTING - polar)))
+    exact = sorted(each for each in exact if each < 900.0)
+    np.testing.assert_allclose(found["critical_speed"], exact, rtol=1e-13)
+    words = dict(
+        zip(
+            found["critical_speed"].values.round(6), found["critical_direction"].values, strict=True
+        )
+    )
+    assert words[round(math.sqrt(TURNING / (TILTING + polar)), 6)] == "backward"
+
+
+def test_a_damped_critical_speed_and_its_harmonics():
+    """Im of -c/2m + i sqrt(k/m - (c/2m)^2) is the speed, or a multiple of it."""
+    damping = 400.0
+    exact = math.sqrt(SPRING / MASS - (damping / (2 * MASS)) ** 2)
+    found = campbell(jeffcott(damping), [10.0, 90.0, 300.0], count=4, harmonics=[1.0, 2.0])
+    moving = found["critical_damping_ratio"].values > 0.01
+    np.testing.assert_allclose(
+        found["critical_speed"].values[moving], [exact / 2] * 2 + [exact] * 2, rtol=1e-13
+    )
+    np.testing.assert_allclose(
+        found["critical_damping_ratio"].values[moving],
+        damping / (2 * math.sqrt(SPRING * MASS)),
+        rtol=1e-13,
+    )
+
+
+def test_a_rigid_rotor_in_two_bearings():
+    """By coordinates at the bearings, where those of the closed form are at the middle."""
+    m, across, polar, half, k, c = 20.0, 0.9, 0.3, 0.35, 3e6, 900.0
+    plane = np.array([[0.5, 0.5], [0.5 / half, -0.5 / half]])  # middle and tilt of A and B
+    to_middle = np.kron(plane, np.eye(2))  # x, y and tilt in both, of "A x", "A y", "B x", "B y"
+    inertia = np.diag([m, m, across, across])
+    turning = np.zeros((4, 4))
+    turning[2, 3], turning[3, 2] = polar, -polar
+    rotor = ns.Structure(
+        to_middle.T @ inertia @ to_middle,
+        np.zeros((4, 4)),
+        gyroscopic=to_middle.T @ turning @ to_middle,
+        coordinates=["A x", "A y", "B x", "B y"],
+        bearings=[Bearing([f"{end} x", f"{end} y"], k, c) for end in "AB"],
+    )
+    speeds = np.linspace(0.0, 2000.0, 11)
+    found = campbell(rotor, speeds, count=4)
+    bounce = np.roots([m, 2 * c, 2 * k])
+    exact = []
+    for speed in speeds:
+        # p = slope in x + i slope in y: Id p'' + (2 c l^2 - i Ip speed) p' + 2 k l^2 p = 0
+        pitch = np.roots([across, 2 * c * half**2 - 1j * polar * speed, 2 * k * half**2])
+        every = np.concatenate([bounce[bounce.imag > 0], bounce[bounce.imag > 0], pitch])
+        exact.append(every.real + 1j * np.abs(every.imag))
+    for row, expected in zip(found["eigenvalue"].values, exact, strict=True):
+        order = np.lexsort([expected.real, expected.imag.round(6)])
+        ours = np.lexsort([row.real, row.imag.round(6)])
+        np.testing.assert_allclose(row[ours], expected[order], rtol=1e-12)
+
+
+def machine(n=20, bearings=None, sparse=False):
+    held = bearings or [
+        Bearing(["2x", "2y"], [[2e7, 4e6], [-3e6, 3e7]], [[3e4, 1e3], [1e3, 5e4]]),
+        Bearing([f"{n - 2}x", f"{n - 2}y"], [[3e7, 2e6], [-2e6, 4e7]], 2e4),
+    ]
+    discs = [Disc.from_geometry(n // 3, 0.05, 0.3), Disc.from_geometry(n // 2, 0.07, 0.4)]
+    return shaft([Beam(1.6 / n, 0.07)] * n, discs=discs, bearings=held, sparse=sparse)
+
+
+def random_shaft(rng, *, isotropic):
+    """Beams of different sizes, two discs and two bearings anywhere, without damping."""
+    n = int(rng.integers(3, 14))
+    held = []
+    for node in rng.choice(n + 1, 2, replace=False):
+        k = 10 ** rng.uniform(5.0, 8.5)
+        other = k if isotropic else k * 10 ** rng.uniform(-0.5, 0.5)
+        held.append(Bearing([f"{node}x", f"{node}y"], np.diag([k, other])))
+    diameters = rng.uniform(0.03, 0.1) * rng.uniform(0.7, 1.3, n)
+    beams = [Beam(rng.uniform(0.05, 0.2), each) for each in diameters]
+    discs = [
+        Disc.from_geometry(int(rng.integers(0, n + 1)), 0.05, rng.uniform(0.15, 0.6))
+        for _ in range(2)
+    ]
+    return shaft(beams, discs=discs, bearings=held)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_critical_speeds_of_undamped_shafts_by_a_direct_eigenproblem(seed):
+    """At a critical speed w the speed drops out: (K - w^2 (M - i G)) q = 0.
+
+    All of them are found from 17 speeds, however close modes come to each other.
+    """
+    rng = np.random.default_rng(seed)
+    rotor = random_shaft(rng, isotropic=seed % 3 == 0)
+    M, _, K = rotor.at_speed(0.0)
+    direct = scipy.linalg.eigvals(K, M - 1j * rotor.gyroscopic)
+    real = (np.abs(direct.imag) < 1e-6 * np.abs(direct)) & (direct.real > 1.0)
+    expected = np.sort(np.sqrt(direct.real[real]))
+    found = campbell(rotor, np.linspace(0.0, 4000.0, 17), count=rotor.size // 2)["critical_speed"]
+    # the direct problem has eps of its largest eigenvalue as its error
+    np.testing.assert_allclose(found, expected[expected < 4000.0], rtol=1e-7)
+
+
+def test_critical_speeds_do_not_depend_on_the_grid():
+    """Of a damped shaft in bearings that depend on the speed: found to rounding on each grid."""
+    speeds = np.linspace(0.0, 1500.0, 6)
+    table = np.array([[[2e7, 4e6], [-3e6, 3e7]]]) * (1.0 + (speeds / 1000.0)[:, None, None] ** 2)
+    held = [
+        Bearing(["2x", "2y"], table, 5e3, speeds=speeds),
+        Bearing(["18x", "18y"], 4e7, lambda speed: 4e3 + 2 * speed),
+    ]
+    rotor = machine(bearings=held)
+    coarse, fine = (campbell(rotor, np.linspace(0.0, 1500.0, n), count=6) for n in (13, 76))
+    assert coarse.sizes["critical"] >= 4
+    np.testing.assert_allclose(coarse["critical_speed"], fine["critical_speed"], rtol=1e-11)
+    for speed, value in zip(
+        fine["critical_speed"].values, fine["critical_eigenvalue"].values, strict=True
+    ):
+        modes = ns.structures.natural_modes(rotor, speed)["eigenvalue"].values
+        nearest = modes[np.argmin(np.abs(modes - value))]
+        assert abs(nearest - value) < 1e-9 * abs(value)
+        assert value.imag == pytest.approx(speed, rel=1e-12)
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+def test_a_shaft_of_404_coordinates(sparse):
+    """As many as engineers have; the curves are those of one speed at a time, in any order."""
+    rotor = machine(100, sparse=sparse)
+    found = campbell(rotor, np.linspace(0.0, 2000.0, 9), count=8)
+    alone = ns.structures.natural_modes(rotor, 1500.0, count=16)["eigenvalue"].values
+    for value in found["eigenvalue"].sel(speed=1500.0).values:
+        assert np.abs(alone - value).min() < 1e-9 * abs(value)
+
+
+def test_wrong_speeds_are_refused():
+    with pytest.raises(ns.OptionError, match="speeds: give increasing ones"):
+        campbell(jeffcott(), [1.0, 0.0])
+    table = Bearing("1x", [1.0, 2.0], speeds=[0.0, 50.0])
+    rotor = ns.Structure([[1.0]], [[1.0]], coordinates=["1x"], bearings=[table])
+    with pytest.raises(
+        ns.OptionError, match="speeds: 0 to 60 rad/s, and the tables of the bearings"
+    ):
+        campbell(rotor, [0.0, 60.0])
+    with pytest.raises(ns.OptionError, match="harmonics"):
+        campbell(jeffcott(), [0.0, 1.0], harmonics=[-1.0])
