@@ -116,6 +116,6 @@ def test_a_valve_that_strikes_its_seat_once_in_a_turn():
 
     seat.direction, seat.terminal = -1.0, True
     turn = solve_ivp(rates, (0.0, 6.0), start, method="DOP853", events=seat, rtol=1e-12, atol=1e-13)
-    x, v, p = turn.y[:, -1]
+    _, v, p = turn.y[:, -1]
     assert turn.t[-1] == pytest.approx(float(orbit["length"]), abs=1e-9)
     np.testing.assert_allclose([0.0, -0.8 * v, p], start, atol=1e-8)
