@@ -63,10 +63,10 @@ def one_impact_orbit(omega, *, zeta, sigma, r, periods=1, force=1) -> Orbit:
 
 
 def _free(zeta, time):
-    """Matrix of the damped oscillation over a time."""
+    """Matrix of the damped oscillation over a time, also where damping lets nothing oscillate."""
     rate = mp.sqrt(1 - zeta**2)
-    c, s = mp.cos(rate * time), mp.sin(rate * time)
-    inner = mp.matrix([[c + zeta / rate * s, s / rate], [-s / rate, c - zeta / rate * s]])
+    c, s = mp.re(mp.cos(rate * time)), mp.re(mp.sin(rate * time) / rate)
+    inner = mp.matrix([[c + zeta * s, s], [-s, c - zeta * s]])
     return mp.exp(-zeta * time) * inner
 
 

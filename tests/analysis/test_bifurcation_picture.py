@@ -176,3 +176,35 @@ def test_a_section_is_refused() -> None:
     section = ns.PoincareMap(hysteresis(), "y")
     with pytest.raises(ns.OptionError):
         ns.bifurcation_picture(section, "p", (-1.0, 1.0), REGION)
+
+
+def test_a_cycle_lies_on_a_branch_between_points_that_are_far_from_it() -> None:
+    """Behind rebounds the ball rests on the table, lifts off at arcsin(1/Gamma) and comes back.
+
+    The rebounds pass the phase of the map one by one, so the state there goes up and down many
+    times, also between two points of the branch. At 1.58 the branch has an orbit of its own.
+    """
+    ball = ns.models.bouncing_ball(r=0.5)
+    branch = ns.continue_orbit(
+        ball, "Gamma", (0.9, 1.62), period=1, initial={"y": 0.0, "v": 1.26},
+        parameters={"Gamma": 1.26},
+    )  # fmt: skip
+    collector = branches.BranchCollector(
+        ns.StroboscopicMap(ball),
+        "Gamma",
+        (0.9, 1.62),
+        1,
+        np.array([5.0, 6.0]),
+        1000,
+        1e-12,
+        [branch],
+    )
+    run = ns.simulate(ball.with_parameters(Gamma=1.58), {"y": 0.0, "v": 1.58}, periods=5)
+    assert run.attrs["status"] == "completed" and "rest" in ns.phase_word(run)
+    settled = np.array([[float(run["y"][-1]), float(run["v"][-1])]])
+    assert collector.holds(branches.OrbitPoints(1.58, settled))
+    # the ball that never rests, with a fall of pi between its bounces, is another one
+    bounce = ns.find_orbit(ball, {"y": 2.5, "v": -2.3}, parameters={"Gamma": 1.58})
+    other = np.array([[float(bounce["y"]), float(bounce["v"])]])
+    assert "rest" not in bounce["word"].item()
+    assert not collector.holds(branches.OrbitPoints(1.58, other))

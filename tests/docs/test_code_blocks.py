@@ -27,6 +27,8 @@ LONG = {
     "fatigue-lives.md", "fit.md", "manifolds.md", "many-orbits.md", "rotating-machines.md",
     "rotor.md", "smoothing.md", "two-parameters.md",
     "case-studies/cracked-beam.md", "case-studies/fatigue-rig.md", "case-studies/mole.md",
+    "case-studies/published-impacts.md", "case-studies/published-friction-and-gears.md",
+    "case-studies/published-chapter.md",
 }  # fmt: skip
 DRAWN = {"tutorials", "case-studies", "explanation", "figures.md", "structures.md"}
 

@@ -59,6 +59,7 @@ class AttractorStyle(NamedTuple):
     marker: Marker
     size: float
     text: str
+    hue: str  # between both colours
 
 
 def attractor_styles(data: xr.Dataset, numbers: Sequence[int]) -> dict[int, AttractorStyle]:
@@ -77,6 +78,7 @@ def attractor_styles(data: xr.Dataset, numbers: Sequence[int]) -> dict[int, Attr
             shape,
             _MARK if periodic else 1.6,
             _text(data, number, int(period) if periodic else None),
+            hues[hue],
         )
     return styles
 

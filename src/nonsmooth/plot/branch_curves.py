@@ -70,6 +70,7 @@ _OTHER = ("d", "white")
 _ENDS = ("bound", "closed", "end")  # of the branch, whatever its orbits are
 _NO_MOTION, _PALE = ", inadmissible", "0.85"
 _SIZE, _LEAST = 4.5, 2.8  # diameters of marks in points; where they are crowded
+_MANY, _TINY = 60, 1.7  # marks that would hide the curves; the diameter where so many are crowded
 _ARMS, _LINE = 1.8, 1.3  # size of marks that are mere lines, over that of others
 _NESTED = 0.65  # size of a mark over that of the one below it
 _DEEPEST = 2  # marks below one that make all larger
@@ -79,6 +80,7 @@ STABLE, UNSTABLE, SPECIAL, INADMISSIBLE = 0, 1, 2, 3
 _NEITHER = -1  # exactly where a change happens
 _JUMPS = -2  # no line leads on: an impact passes the section, and states there jump
 _JUMP = 3.0  # times the change of a value before and behind a jump
+_AT_STROBE = 1e-9  # periods within which an event is at a strobe
 
 
 class SpecialPoints(NamedTuple):
@@ -150,10 +152,11 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
     )
     kinds, x, y = [kinds[k] for k in there], x[there], y[there]
     ax.autoscale_view()
-    size = uncrowded(ax, x, y, _SIZE, _LEAST)
+    least = _LEAST if len(kinds) <= _MANY else _TINY
+    size = uncrowded(ax, x, y, _SIZE, least)
     below = depths(ax, x, y, kinds)
     # the smallest of marks in one place still shows its colour within its edge
-    size = max(size, _LEAST * _NESTED ** -float(min(below.max(initial=0), _DEEPEST)))
+    size = max(size, least * _NESTED ** -float(min(below.max(initial=0), _DEEPEST)))
     for kind in dict.fromkeys(kinds):
         here = np.array([name == kind for name in kinds], bool)
         smaller = _NESTED ** int(below[here].max())  # so that those below look out
@@ -170,7 +173,7 @@ def mark_special_points(ax: Axes, kinds: list[str], x: Floats, y: Floats) -> Non
             markersize=size * smaller * (_ARMS if arms else (_LINE if line else 1.0)),
             markerfacecolor=colour,
             markeredgecolor=colour if arms and real else edge,
-            markeredgewidth=1.4 if arms else (1.0 if line else 0.6),
+            markeredgewidth=1.4 if arms else (1.0 if line else 0.6 * least / _LEAST),
             zorder=4,
             gid=f"special {kind}",
             label="_" + label if label in known else label,
@@ -275,12 +278,13 @@ def _duration(branch: xr.Dataset, leg: int | str | None) -> tuple[Floats, str]:
 
 def branch_curve(
     branch: xr.Dataset, points: tuple[Floats, Floats], special: SpecialPoints,
-    places: tuple[Floats, Floats],
+    places: tuple[Floats, Floats], turn: int = 0,
 ) -> BranchCurve:  # fmt: skip
     """Line through the points of a branch; it changes its kind at special points.
 
     A curve of special points has no stability: each is where orbits change it, or their word.
-    ``points`` and ``places`` are x and y of the points of the branch and of the special points.
+    ``points`` and ``places`` are x and y of the points of the branch and of the special points,
+    taken at the section or, of longer orbits, at a later ``turn`` of the forcing.
     """
     kind = np.where(branch["stable"].values.astype(bool), STABLE, UNSTABLE)
     what = str(branch.attrs.get("special_kind", ""))
@@ -295,40 +299,50 @@ def branch_curve(
     place = special.before[inner] + 1
     x, y = (np.insert(old, place, new[inner]) for old, new in zip(points, places, strict=True))
     ways = _ways(np.insert(kind, place, _NEITHER))
-    jumps = event_passes_section(branch) & (_jumps(points[0]) | _jumps(points[1]))
+    passes = event_passes_strobe(branch, turn)
+    jumps = passes & (_jumps(points[0], passes) | _jumps(points[1], passes))
     before = np.insert(np.arange(len(points[0])), place, special.before[inner])
     ways[np.isin(before[:-1], np.flatnonzero(jumps))] = _JUMPS
     return BranchCurve(x, y, ways, what.replace("_", " "))
 
 
-def event_passes_section(branch: xr.Dataset) -> npt.NDArray[np.bool_]:
-    """Whether an event passes the phase of the section between each point and the next one.
+def event_passes_strobe(branch: xr.Dataset, turn: int = 0) -> npt.NDArray[np.bool_]:
+    """Whether an event passes the phase of a strobe between each point and the next one.
 
     The first event is the last one of the turn behind it, or the last one the first: all events
-    are nearer to those before if they are counted from the next one.
+    are nearer to those before if they are counted from the next one. Orbits of several periods
+    have a strobe in each, which an event may pass without passing the first one.
     """
-    count = branch.sizes["point"]
-    passes = np.zeros(max(count - 1, 0), bool)
-    if not {"leg_time", "durations", "length"} <= set(branch.data_vars):
+    passes = np.zeros(max(branch.sizes["point"] - 1, 0), bool)
+    if not {"leg_time", "length"} <= set(branch.data_vars):
         return passes
+    count = int(branch.attrs.get("period", 1))
     times = branch["leg_time"].transpose("point", "leg").values
-    share = (times[:, 1:] - times[:, :1]) / branch["length"].values[:, None]
+    # in periods of the forcing since the section
+    share = count * (times[:, 1:] - times[:, :1]) / branch["length"].values[:, None]
     number = np.isfinite(share).sum(axis=1)
     for k in np.flatnonzero((number[:-1] == number[1:]) & (number[1:] > 0)):
         one, other = share[k, : number[k]], share[k + 1, : number[k]]
-        earlier, later = (
-            np.append(other[1:], other[0] + 1.0),
-            np.append(other[-1] - 1.0, other[:-1]),
+        counted = (
+            other,
+            np.append(other[1:], other[0] + count),
+            np.append(other[-1] - count, other[:-1]),
         )
-        straight = np.abs(other - one).sum()
-        passes[k] = min(np.abs(each - one).sum() for each in (earlier, later)) < straight
+        near = min(counted, key=lambda each: float(np.abs(each - one).sum()))
+        # an event at the strobe itself counts as on either side of it
+        first = np.ceil(np.minimum(one, near) - _AT_STROBE)
+        passes[k] = turn in first[first <= np.maximum(one, near) + _AT_STROBE] % count
     return passes
 
 
-def _jumps(values: Floats) -> npt.NDArray[np.bool_]:
-    """Whether values change more between two points than before and behind them."""
+def _jumps(values: Floats, passes: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Whether values change more between two points than before and behind them.
+
+    Ways on which an event passes say nothing of the next ones: they may be jumps themselves.
+    """
     steps = np.abs(np.diff(values))
-    near = np.maximum(np.append(0.0, steps[:-1]), np.append(steps[1:], 0.0))
+    known = np.where(passes, 0.0, steps)
+    near = np.maximum(np.append(0.0, known[:-1]), np.append(known[1:], 0.0))
     return np.asarray(steps > _JUMP * near)
 
 

@@ -176,9 +176,9 @@ def branch(
         over = points.value if x in (None, parameter) else points.between(across)
         # over strobes of settled motions, an orbit of several periods has several points
         heights = [up] if diagram is None or x not in (None, parameter) else _strobes(one, y, up)
-        for each in heights:
+        for turn, each in enumerate(heights):
             places = over, points.between(each)
-            curve = branch_curve(one, (across, each), points, places)
+            curve = branch_curve(one, (across, each), points, places, turn)
             draw_curve(curve, ax, colours[name], drawn + k)
             marks.append((points.kinds_shown(one), *places))
         labels.append((x_label, y_label))

@@ -8,7 +8,13 @@ import numpy as np
 
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.plot.attractor_style import ENDED_EARLY, UNSETTLED, attractor_styles, state_label
+from nonsmooth.plot.attractor_style import (
+    ENDED_EARLY,
+    UNSETTLED,
+    AttractorStyle,
+    attractor_styles,
+    state_label,
+)
 from nonsmooth.plot.branch_curves import (
     branch_curve,
     mark_special_points,
@@ -27,8 +33,10 @@ if TYPE_CHECKING:
 __all__ = ["bifurcation_picture", "branches_of"]
 
 _ENDS = ("bound", "end")  # of the range, not of the system
-_DOT, _MANY = 2.2, 0.8  # diameters of points of cycles and of sets
+_DOT, _MANY = 2.8, 0.9  # diameters of points of cycles and of sets
+_LONGEST = 12  # points of a cycle; more are drawn as a set
 _HEIGHTS = (3.0, 1.0)
+_NAMED = 7  # attractors in the legend: as many as there are hues
 
 
 @checked
@@ -66,9 +74,11 @@ def bifurcation_picture(
 
     Notes
     -----
-    An attractor has one colour in both axes, pale for its share of the starts. Branches are black:
-    solid where the orbit is stable, dashed where it is not. White shares belong to starts that are
-    unsettled, grey ones to motions that ended early.
+    An attractor has one colour in both axes, pale for its share of the starts. The legend names
+    the seven attractors with most of the starts. Branches are black: solid where the orbit is
+    stable, dashed where it is not. Where an impact passes the phase of a strobe, states jump, and
+    the line is broken. White shares belong to starts that are unsettled, grey ones to motions that
+    ended early.
 
     Examples
     --------
@@ -99,23 +109,25 @@ def bifurcation_picture(
     own = ax is None
     ax = print_figure(width=16.0, height=11.0)[1][0] if ax is None else ax
     upper, lower = divided(ax, 2, heights=_HEIGHTS)
-    numbers = picture["attractor"].values.tolist()
-    styles = attractor_styles(picture, numbers)
-    for number in numbers:
-        _draw_attractor(picture, number, y, upper, styles[number])
+    styles = _styles(picture)
+    for number, style in styles.items():
+        _draw_attractor(picture, number, y, upper, style)
+    _name_attractors(picture, upper, styles)
     marks: list[Any] = []
     for k, branch in enumerate(branches_of(picture)):
         across, _ = quantity(branch, str(picture.attrs["parameter"]))
         points = special_points(branch)
-        for up in branch["strobes"].sel(state=y).transpose("strobe_of_turn", "point").values:
+        strobes = branch["strobes"].sel(state=y).transpose("strobe_of_turn", "point").values
+        for turn, up in enumerate(strobes):
             if np.isfinite(up).any():
                 places = points.value, points.between(up)
-                draw_curve(branch_curve(branch, (across, up), points, places), upper, "black", k)
+                curve = branch_curve(branch, (across, up), points, places, turn)
+                draw_curve(curve, upper, "black", k)
                 marks.append((points.kinds_shown(branch), *places))
     known = {line.get_label() for line in upper.lines}
-    for name, style in KIND_STYLES.values():
+    for name, line in KIND_STYLES.values():
         if f"_{name}" in known:
-            upper.plot([], [], color="black", **style, label=name)
+            upper.plot([], [], color="black", **line, label=name)
     if special and marks:
         kinds = np.concatenate([np.array(kind, str) for kind, _, _ in marks])
         x, height = (np.concatenate([mark[k] for mark in marks]) for k in (1, 2))
@@ -152,21 +164,49 @@ def branches_of(picture: xr.Dataset) -> list[xr.Dataset]:
     return found
 
 
-def _draw_attractor(picture: xr.Dataset, number: int, y: str, ax: Axes, style: Any) -> None:
+def _areas(picture: xr.Dataset) -> dict[int, float]:
+    """What each attractor has of the picture of shares, where all of it is 1."""
+    shares = picture["fraction"].transpose("attractor", "parameter").values
+    means = np.nan_to_num(shares).mean(axis=1)
+    return dict(zip(picture["attractor"].values.tolist(), means.tolist(), strict=True))
+
+
+def _styles(picture: xr.Dataset) -> dict[int, AttractorStyle]:
+    """Styles of attractors by their numbers; those with most of the starts differ most."""
+    areas = _areas(picture)
+    ranks = sorted(areas, key=lambda number: -areas[number])
+    styles = attractor_styles(picture, range(1, len(ranks) + 1))
+    return {number: styles[ranks.index(number) + 1] for number in areas}
+
+
+def _name_attractors(picture: xr.Dataset, ax: Axes, styles: dict[int, AttractorStyle]) -> None:
+    """Entries of the legend: the attractors with most of the starts, and how many others."""
+    areas = _areas(picture)
+    named = sorted(sorted(areas, key=lambda number: -areas[number])[:_NAMED])
+    for number in named:
+        ax.plot([], [], color=styles[number].basin, linewidth=3.0, label=f"attractor {number}")
+    others = len(areas) - len(named)
+    if others:
+        ax.plot([], [], color="none", linewidth=3.0, label=f"and {others} with fewer starts")
+
+
+def _draw_attractor(
+    picture: xr.Dataset, number: int, y: str, ax: Axes, style: AttractorStyle
+) -> None:
     """Points of one attractor at all values at which it exists."""
     own = picture.sel(attractor=number)
     height = own["settled"].sel(state=y).transpose("parameter", "strobe").values
     across = np.broadcast_to(picture["parameter"].values[:, None], height.shape)
-    cycle = (own["period"].values > 0)[:, None]
+    period = own["period"].values
+    cycle = ((period > 0) & (period <= _LONGEST))[:, None]
     there = np.isfinite(height)
     label = f"attractor {number}"
     for chosen, size in ((there & cycle, _DOT), (there & ~cycle, _MANY)):
         if chosen.any():
             ax.plot(
                 across[chosen], height[chosen], linestyle="none", marker="o", markersize=size,
-                markeredgewidth=0.0, color=style.basin, zorder=2, gid=label,
+                markeredgewidth=0.0, color=style.hue, zorder=2, gid=label,
             )  # fmt: skip
-    ax.plot([], [], color=style.basin, linewidth=3.0, label=label)
 
 
 def _draw_shares(picture: xr.Dataset, ax: Axes, styles: Any) -> None:

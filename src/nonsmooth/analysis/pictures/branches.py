@@ -22,7 +22,8 @@ __all__ = ["BranchCollector", "OrbitPoints"]
 
 Floats = npt.NDArray[np.float64]
 
-_NEAR = 1e-3  # of the spread of each state: a point of a branch that may be the orbit looked for
+_MAY_BE = 0.2  # of the spread of each state: how near a branch passes on which the orbit may be
+_NEAR = 1e-3  # likewise: points that are one
 _SAME = 1e-6  # likewise, of the orbit of the branch at the very value
 _AT = 1e-7  # of the range of the parameter, within which two values are one
 _MOST = 200  # branches
@@ -75,14 +76,24 @@ class BranchCollector:
                 self._follow(cycle.value, initial=self._start(cycle), period=cycle.period)
 
     def holds(self, cycle: OrbitPoints) -> bool:
-        """Whether a cycle lies on a branch that is known."""
-        return any(
-            self._passes(branch, cycle)
-            for branch in self.branches
-            if _period(branch) == cycle.period
-        )
+        """Whether a cycle lies on a branch that is known: the nearest places are tried first.
 
-    def _passes(self, branch: xr.Dataset, cycle: OrbitPoints) -> bool:
+        A straight line between two points of a branch only tells where to look, and the orbit at
+        the value itself decides: where impacts pass the phase of the map, states on the way are
+        far from that line.
+        """
+        known = [branch for branch in self.branches if _period(branch) == cycle.period]
+        places = [(*place, branch) for branch in known for place in self._places(branch, cycle)]
+        for gap, place, branch in sorted(places, key=lambda each: each[0]):
+            if gap > _MAY_BE:
+                return False
+            found = self._orbit_at(branch, place, cycle)
+            if found is not None and self._gap(found, cycle.points) <= _SAME:
+                return True
+        return False
+
+    def _places(self, branch: xr.Dataset, cycle: OrbitPoints) -> Iterator[tuple[float, int]]:
+        """Points of a branch beside the value of a cycle, and how far it passes from the cycle."""
         values, states = branch[self.parameter].values, self._states(branch)
         before, after = values[:-1] - cycle.value, values[1:] - cycle.value
         for i in np.flatnonzero(before * after <= 0.0):
@@ -90,13 +101,7 @@ class BranchCollector:
             share = 0.0 if step == 0.0 else (cycle.value - values[i]) / step
             guess = states[i] + share * (states[i + 1] - states[i])
             reach = self._gap(states[i], states[i + 1][None])
-            # a straight line between points is near, and the orbit at the value itself decides
-            if self._gap(guess, cycle.points) > _NEAR + reach:
-                continue
-            found = self._orbit_at(branch, int(i if share < 0.5 else i + 1), cycle)
-            if found is not None and self._gap(found, cycle.points) <= _SAME:
-                return True
-        return False
+            yield self._gap(guess, cycle.points) - reach, int(i if share < 0.5 else i + 1)
 
     def _orbit_at(self, branch: xr.Dataset, place: int, cycle: OrbitPoints) -> Floats | None:
         """State of the orbit of a branch at the value of a cycle, from a point of the branch."""

@@ -26,6 +26,7 @@ _OF_POINTS = (
     "admissible",
     "arclength",
     "length",
+    "leg_time",
     "word",
     "residual",
     "multipliers",
@@ -49,7 +50,11 @@ def picture_dataset(
     data = _of_columns(system, parameter, columns, numbers, points)
     parts = [_kept(branch, i, parameter) for i, branch in enumerate(branches)]
     if parts:
-        over_points = xr.concat([one for one, _ in parts], "point", coords="minimal")
+        legs = max(one.sizes["leg"] for one, _ in parts)
+        over_points = xr.concat(
+            [one.pad(leg=(0, legs - one.sizes["leg"])) for one, _ in parts],
+            "point", coords="minimal",
+        )  # fmt: skip
         over_specials = xr.concat([one for _, one in parts], "special", coords="minimal")
         data = data.merge(over_points).merge(over_specials)
         data["branch_period"] = (
