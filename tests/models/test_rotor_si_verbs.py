@@ -34,7 +34,7 @@ EVENTS = {"event_time": S, "event_phase": S, "state_before": None, "state_after"
 STATISTICS = ("mean", "rms", "in_contact", "min", "min_error", "max", "max_error", "percentile")
 REGIME = {
     "events": ONE, "impacts": ONE, "exponent": PER_S, "exponent_error": PER_S, "K": ONE,
-    "residual": ONE,
+    "residual": ONE, "escape_rate_below": ONE,
 }  # fmt: skip
 # cycles per unit time are by RATE itself, while the speed is in radians per unit of time
 FREQUENCY = {"frequency": (RATE, "Hz"), "harmonic": ONE}
@@ -43,6 +43,7 @@ WATERFALL = FREQUENCY | PLANE | {"phase": RAD, "period": S, "parameter": HERTZ}
 ATTRACTOR = {
     "points": None, "fraction": ONE, "fraction_error": ONE, "multiplier_real": ONE,
     "multiplier_imag": ONE, "residual": ONE, "exponent": ONE, "exponent_error": ONE,
+    "escape_rate_below": ONE,
 }  # fmt: skip
 ORBIT = {
     **{name: MOTION[name] for name in STATES}, "time": S, "length": S, "residual": ONE,
@@ -51,8 +52,8 @@ ORBIT = {
 PICTURE = {
     **{name: MOTION[name] for name in STATES}, "length": S, "residual": ONE, "settled": None,
     "strobes": None, "fraction": ONE, "fraction_error": ONE, "exponent": ONE,
-    "exponent_error": ONE, "unsettled": ONE, "ended": ONE, "parameter": HERTZ,
-    "eta": HERTZ, "special_value": HERTZ, "arclength": ONE,
+    "exponent_error": ONE, "escape_rate_below": ONE, "unsettled": ONE, "ended": ONE,
+    "parameter": HERTZ, "eta": HERTZ, "special_value": HERTZ, "arclength": ONE,
 }  # fmt: skip
 CONTACT = {
     "contacts": ONE, "contact_share": ONE, "contact_duration": S, "shortest_contact": S,

@@ -16,6 +16,7 @@ from nonsmooth.analysis.orbits import orbits
 from nonsmooth.analysis.pictures.branches import BranchCollector, OrbitPoints, strobes_of
 from nonsmooth.analysis.pictures.columns import Column, follow_numbers, settle_columns
 from nonsmooth.analysis.pictures.picture_dataset import picture_dataset
+from nonsmooth.analysis.statistics.escape import said_of_chaos
 from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import whole_number
@@ -100,8 +101,9 @@ def bifurcation_picture(
     -------
     xarray.Dataset
         Over ``parameter`` and ``attractor``: ``settled`` (points over ``strobe`` and ``state``),
-        ``kind``, ``period``, ``fraction`` of the starts with its standard error, and ``exponent``
-        of what does not repeat; empty, 0 and nan where the attractor does not exist. Over
+        ``kind``, ``period``, ``fraction`` of the starts with its standard error, and of what does
+        not repeat ``exponent``, ``chaotic_for`` and ``escape_rate_below``, as in `attractors`;
+        empty, 0 and nan where the attractor does not exist. Over
         ``parameter``, the shares of starts that are ``unsettled`` and ``ended``. The branches stand
         one behind another over ``point``, with ``branch_of_point``, the states, the parameter,
         ``stable``, ``admissible``, ``word`` and more; their special points over ``special``, with
@@ -286,6 +288,13 @@ def _message(columns: Sequence[Column], collector: BranchCollector, complete: bo
     unsettled = sum(bool(np.any(column.labels == 0)) for column in columns)
     if unsettled:
         said.append(f"at {unsettled} values some starts are unsettled: raise record=")
+    horizons = [one.chaotic_for for each in columns for one in each.attractors if one.chaotic_for]
+    if horizons:
+        where = sum(any(one.chaotic_for for one in each.attractors) for each in columns)
+        said.append(
+            f"chaos at {where} values may be a long transient:"
+            f" {said_of_chaos(min(horizons), 'period')}"
+        )
     ended = sum(bool(np.any(column.labels < 0)) for column in columns)
     if ended:
         said.append(f"at {ended} values some starts ended early")

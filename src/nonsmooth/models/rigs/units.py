@@ -59,7 +59,7 @@ _NUMBERS = {
     "box_dimension", "correlation_dimension", "correlation_sum", "fit", "distance",
     "standard_error", "drift", "net_drift", "slope", "fixed_slope", "spread", "largest_spread",
     "exponent_per_return", "log_determinant", "arclength", "unsettled", "ended",
-    "border_gap", "first_length", "first_deviation",
+    "border_gap", "first_length", "first_deviation", "chaotic_for", "escape_rate_below",
     # of normal forms: their vectors mix all states, so the numbers stay those of the model
     "coefficient", "coefficient_error", "parameter_coefficient", "parameter_coefficient_error",
     "amplitude_factor", "amplitude_power", "reach",
