@@ -46,6 +46,7 @@ __all__ = [
     "find_attractors",
     "measure_of",
     "read_search",
+    "search_among",
 ]
 
 Floats = npt.NDArray[np.float64]
@@ -422,17 +423,29 @@ def find_attractors(
     known = Known(measure_of(images, starts, drifting, how.cells))
     complete, settled = True, SettledStarts(np.zeros(0, np.int64), np.zeros(0, np.int64))
     with Progress("attractors", len(starts)) as progress:
-        search = AttractorSearch(
-            runner, known, drifting,
-            match=how.match, longest=how.longest, record=how.record,
-            exponent_steps=how.exponent_steps,
-            tell=(lambda _: None) if silent else progress.update,
-        )  # fmt: skip
+        search = search_among(
+            chosen, known, how, (lambda _: None) if silent else progress.update, runner
+        )
         try:
             settled = search.settle(starts)
         except KeyboardInterrupt:
             complete = False
     return FoundAttractors(known, search, settled, drawn, complete)
+
+
+def search_among(
+    chosen: Any,
+    known: Known,
+    how: SearchOptions,
+    tell: Callable[[int], None] = lambda _: None,
+    runner: Any = None,
+) -> AttractorSearch:
+    """A search that knows some attractors already; ``tell`` is told how many lanes are done."""
+    return AttractorSearch(
+        chosen.runner(how.tolerance) if runner is None else runner, known,
+        drift_mask(chosen.system), match=how.match, longest=how.longest, record=how.record,
+        exponent_steps=how.exponent_steps, tell=tell,
+    )  # fmt: skip
 
 
 def drift_mask(system: System) -> npt.NDArray[np.bool_]:
