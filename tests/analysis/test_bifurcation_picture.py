@@ -108,11 +108,35 @@ def test_branches_beyond_flips_have_all_their_points() -> None:
     assert x[:, 0] ** 2 == pytest.approx(two["r"].values - 1.0, abs=1e-9)
 
 
+def test_branches_beyond_a_broken_symmetry_are_followed() -> None:
+    """Of x -> r x - x**3 points at +-sqrt(r - 1) leave 0 at r = 1; no start finds them."""
+    kick = ns.Exit("cos(2*pi*t)", to="late", reset={"x": "r*x - x**3"}, name="kick")
+    kicked = ns.System(
+        states=["x"],
+        period=1.0,
+        parameters={"r": 0.9},
+        modes={
+            "early": ns.Mode({"x": "0"}, exits=[kick]),
+            "late": ns.Mode({"x": "0"}, exits=[ns.Exit("-cos(2*pi*t)", to="early")]),
+        },
+    )
+    found = ns.bifurcation_picture(
+        kicked, "r", (0.8, 1.3), {"x": (-0.5, 0.5)}, columns=2, samples=6, searches=0
+    )
+    breaking = found["special_kind"].isin(["symmetry_breaking", "branch_point"]).values
+    # it is a special point of both branches
+    assert found["special_value"].values[breaking] == pytest.approx([1.0, 1.0], abs=1e-9)
+    unsymmetric = [each for each in branches_of(found) if np.abs(each["x"].values).max() > 1e-6]
+    (pair,) = unsymmetric
+    assert pair["x"].values ** 2 == pytest.approx(pair["r"].values - 1.0, abs=1e-9)
+    assert pair["x"].values.min() < -0.5 and pair["x"].values.max() > 0.5
+
+
 def test_an_interruption_keeps_what_was_found(monkeypatch) -> None:
     whole = module.settle_columns
 
-    def interrupted(maps, box_of, how, report):
-        columns, _ = whole(maps[:3], box_of, how, report)
+    def interrupted(maps, *options):
+        columns, _ = whole(maps[:3], *options)
         return columns, False
 
     monkeypatch.setattr(module, "settle_columns", interrupted)

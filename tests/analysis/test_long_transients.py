@@ -54,8 +54,11 @@ def test_a_regime_runs_on():
 def test_a_regime_that_stays_says_for_how_long():
     found = ns.regime(leaking(0.0), phase=0.25, confirm=3000)
     assert found["regime"].item() == "chaotic"
-    reached = found["transient_used"].item() + 2 * 100 + 100 + 2 * 500 + 3000 + 2 * 100
-    assert found.attrs["message"].endswith(f"; it has not settled within {reached} periods")
+    # two windows of evidence, `confirm`, and again two windows of 100, a turn of 100, and the first
+    # window of evidence: those of 500 are chaotic
+    seen = 2 * 500 + 3000 + 2 * 100 + 100 + 500
+    assert found["chaotic_for"].item() == seen
+    assert f"chaotic for at least {seen} periods" in found.attrs["message"]
 
 
 def test_a_map_runs_on():
@@ -95,8 +98,13 @@ def test_exponents_of_a_transient_say_so():
     late = ns.lyapunov_spectrum(leaking(1e-3), transient=9000)
     assert (late.attrs["settled"], late.attrs["message"]) == (1, "completed")
     assert float(late["lyapunov_exponent"][0]) == pytest.approx(-np.log(2) / (2 * np.pi), abs=1e-12)
+    assert late.attrs["chaotic_for"] == 0 and np.isnan(late.attrs["escape_rate_below"])
     stays = ns.lyapunov_spectrum(leaking(0.0))
-    assert (stays.attrs["settled"], stays.attrs["message"]) == (1, "completed")
+    assert stays.attrs["settled"] == 1
+    # the record, `confirm` with 200 strobes to look for a period, and a quarter of half a record
+    seen = 1000 + 10_000 + 200 + 125
+    assert stays.attrs["chaotic_for"] == pytest.approx(seen, rel=1e-12)
+    assert f"chaotic for at least {seen} periods" in stays.attrs["message"]
 
 
 def test_halves_of_a_record_that_differ():

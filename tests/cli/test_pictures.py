@@ -50,3 +50,13 @@ def test_wrong_ranges_are_named(call, over, said):
     options = [word for each in over for word in ("--over", each)]
     result = call("picture", "soft_impact", *options)
     assert result.exit_code == 2 and said in result.stderr
+
+
+def test_a_bifurcation_picture_goes_on_from_its_store(call, tmp_path):
+    words = (*GIVEN, "--store", tmp_path / "store")
+    first = call(*words)
+    assert first.exit_code == 0, first.stderr
+    assert len(list((tmp_path / "store").glob("[0-9]*.npz"))) >= 3 + 2 + 1
+    assert call(*words).stdout == first.stdout
+    other = call(*words, "--longest", "3")
+    assert other.exit_code == 2 and "longest: 2 then, 3 now" in other.stderr

@@ -25,6 +25,7 @@ MM, MM_S, N, S, HERTZ, PER_S = (
     (0.5, "mm"), (0.5 * RATE, "mm/s"), (NEWTON, "N"), (SECOND, "s"), (HZ, "Hz"), (RATE, "1/s"),
 )  # fmt: skip
 RAD, ONE = (1.0, "rad"), (1.0, None)
+KG_S = (2.0 * np.sqrt(79e3 * 9.7), "kg/s")
 STATES = {"x": MM, "y": MM, "vx": MM_S, "vy": MM_S, "sx": MM, "sy": MM, "mu": ONE}
 MOTION = STATES | {
     "ring_vx": MM_S, "ring_vy": MM_S, "force_x": N, "force_y": N, "force": N,
@@ -34,7 +35,7 @@ EVENTS = {"event_time": S, "event_phase": S, "state_before": None, "state_after"
 STATISTICS = ("mean", "rms", "in_contact", "min", "min_error", "max", "max_error", "percentile")
 REGIME = {
     "events": ONE, "impacts": ONE, "exponent": PER_S, "exponent_error": PER_S, "K": ONE,
-    "residual": ONE,
+    "residual": ONE, "escape_rate_below": ONE,
 }  # fmt: skip
 # cycles per unit time are by RATE itself, while the speed is in radians per unit of time
 FREQUENCY = {"frequency": (RATE, "Hz"), "harmonic": ONE}
@@ -43,7 +44,12 @@ WATERFALL = FREQUENCY | PLANE | {"phase": RAD, "period": S, "parameter": HERTZ}
 ATTRACTOR = {
     "points": None, "fraction": ONE, "fraction_error": ONE, "multiplier_real": ONE,
     "multiplier_imag": ONE, "residual": ONE, "exponent": ONE, "exponent_error": ONE,
+    "escape_rate_below": ONE,
 }  # fmt: skip
+INTEGRITY = dict.fromkeys(
+    ("local_integrity", "local_error", "global_integrity", "global_error", "integrity_factor",
+     "factor_error"), ONE,
+) | {"factor_centre": None}  # fmt: skip
 ORBIT = {
     **{name: MOTION[name] for name in STATES}, "time": S, "length": S, "residual": ONE,
     "log_determinant": ONE, "durations": S, "leg_time": S, "leg_states": None, "strobes": None,
@@ -51,8 +57,8 @@ ORBIT = {
 PICTURE = {
     **{name: MOTION[name] for name in STATES}, "length": S, "residual": ONE, "settled": None,
     "strobes": None, "fraction": ONE, "fraction_error": ONE, "exponent": ONE,
-    "exponent_error": ONE, "unsettled": ONE, "ended": ONE, "parameter": HERTZ,
-    "eta": HERTZ, "special_value": HERTZ, "arclength": ONE,
+    "exponent_error": ONE, "escape_rate_below": ONE, "unsettled": ONE, "ended": ONE,
+    "parameter": HERTZ, "eta": HERTZ, "special_value": HERTZ, "arclength": ONE,
 }  # fmt: skip
 CONTACT = {
     "contacts": ONE, "contact_share": ONE, "contact_duration": S, "shortest_contact": S,
@@ -105,6 +111,19 @@ def saddle_curves():
     last = branch.isel(point=int(np.argmax(branch["eta"].values)))
     at = SYSTEM.with_parameters(eta=float(last["eta"]))
     return ns.manifold(at, last, length=1e-3)
+
+
+# names alone tell what numbers mean, so a system with two states of a rotor stands for it
+ESCAPE = ns.System(
+    name="escape", states=["x", "vx"], period="2*pi/eta",
+    parameters={"eta": 0.85, "nu1": 0.05, "F": 0.2},
+    equations={"x": "vx", "vx": "where(x < 1, -x, x - 2) - 2*nu1*vx + F*cos(eta*t)"},
+)  # fmt: skip
+SADDLE = {"length": 8.0, "side": "-"}
+
+
+def on_the_hill():
+    return ns.find_orbit(ESCAPE, {"x": 2.0})
 
 
 # of each verb: a result, and of each number in it what one is worth; None for a table of states
@@ -188,6 +207,28 @@ RESULTS = {
         | dict.fromkeys(("arclength", "border_gap", "first_length"), ONE)
         | {"border_turn": RAD, "first_deviation": ONE, "saddle": None, "saddle_direction": None},
     ),
+    "edge_state": (lambda: of_this_system(ns.edge_state(ESCAPE, {"x": 0.0}, {"x": 2.5, "vx": 1.0})),
+                   {"x": MM, "vx": MM_S, "time": S}
+                   | dict.fromkeys(("residual", "exponent", "exponent_error", "width", "crossing",
+                                    "distance"), ONE)
+                   | dict.fromkeys(("mean", "deviation", "track", "start", "nearest"))),
+    "homoclinic_points": (
+        lambda: of_this_system(ns.homoclinic_points(ESCAPE, on_the_hill(), **SADDLE)),
+        {"x": MM, "vx": MM_S, "crossing_angle": RAD}
+        | dict.fromkeys(("sense", "place", "position_error"), ONE),
+    ),
+    "homoclinic_tangency": (
+        lambda: of_this_system(ns.homoclinic_tangency(
+            ESCAPE, "nu1", (0.05, 0.2), on_the_hill(), **SADDLE)),
+        {"x": MM, "vx": MM_S, "nu1": KG_S, "value_error": KG_S, "place": ONE},
+    ),
+    "integrity": (lambda: basins(ns.integrity), INTEGRITY),
+    "erosion_profile": (lambda: ns.erosion_profile(
+                            SYSTEM, "eta", [0.9, 0.91],
+                            {"x": np.linspace(-0.4, 1.4, 3), "y": np.linspace(-0.3, 0.3, 3)},
+                            samples=3, record=100),
+                        INTEGRITY | {"parameter": HERTZ, "x": MM, "y": MM, "ended": ONE,
+                                     "unsettled": ONE}),
     "attractors": (lambda: ns.attractors(SYSTEM, {"x": (-0.4, 1.4)}, samples=8, record=200),
                    ATTRACTOR),
     "basins_of_attraction": (lambda: basins(lambda found: found), ATTRACTOR | {"x": MM, "y": MM}),
@@ -236,8 +277,6 @@ NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motio
     "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "excitation", "fatigue",
     "continuation", "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
     "Surface", "smoothed", "smoothing_report", "mirrored_orbit", "fit", "posterior", "explore",
-    # their results have variables that `to_si` does not know, and refuses by name
-    "edge_state", "integrity", "erosion_profile", "homoclinic_points", "homoclinic_tangency",
 }  # fmt: skip
 
 
@@ -305,6 +344,19 @@ def test_tables_of_states():
     assert list(si["state_units"].values) == ["mm", "mm", "mm/s", "mm/s", "mm", "mm", ""]
     one = RIG.to_si(run.isel(state=0))
     assert np.allclose(one["state_after"], 0.5 * run["state_after"][:, 0], rtol=1e-15)
+
+
+def test_tables_of_states_on_a_border_and_of_a_region():
+    """Positions by the gap of 0.5 mm, velocities by that times the rate."""
+    edge = RESULTS["edge_state"][0]()
+    si, scales = RIG.to_si(edge), np.array([0.5, 0.5 * RATE])
+    for name in ("mean", "deviation", "track", "start", "nearest"):
+        assert np.allclose(si[name], edge[name] * scales, rtol=1e-14, equal_nan=True), name
+    alone = RIG.to_si(edge.isel(state=1))
+    assert np.allclose(alone["start"], 0.5 * RATE * edge["start"][:, 1], rtol=1e-14)
+    found = basins(ns.integrity)
+    centres = RIG.to_si(found)["factor_centre"]
+    assert np.allclose(centres, 0.5 * found["factor_centre"], rtol=1e-14, equal_nan=True)
 
 
 def test_sensitivity_is_a_difference_quotient_in_millimetres_per_hertz():

@@ -89,7 +89,8 @@ def attractors(
         Over ``attractor``, numbered from 1: ``kind`` ("periodic", "chaotic" where the largest
         ``exponent`` per iterate is above three of its standard errors and adds up to more than 3
         over the 4000 iterates that it is taken over, "quasi-periodic" where it adds up to less, of
-        either sign, else "aperiodic"), ``period`` in iterates, ``points``
+        either sign, else "aperiodic"), ``chaotic_for`` and ``escape_rate_below`` (iterates of chaos
+        without an end, and the bound that follows, see notes), ``period`` in iterates, ``points``
         (over ``point`` and ``state``, nan behind the last one), ``multiplier_real`` and
         ``multiplier_imag``, the ``residual`` of the cycle beside the spread, ``word``, ``fraction``
         of the starts with its standard error, drift per iterate such as ``v_per_iterate``, and,
@@ -119,8 +120,14 @@ def attractors(
     which each miss takes back ten. Sets that share half of their cells are one attractor. A motion
     that is not chaotic, or whose points still draw together in the last quarter of ``record``, may
     be on its way to a cycle: it runs on, up to 16 times as long. If it still draws together then,
-    it is no attractor, and neither is a cycle with a multiplier next to the unit circle. Chaos that
-    lasts longer than ``record`` is taken for an attractor.
+    it is no attractor, and neither is a cycle with a multiplier next to the unit circle.
+
+    Nor is a motion chaotic whose exponent is another one in the second half of its 4000 iterates:
+    it runs on too. Chaos that lasts longer is listed among the attractors with its horizon:
+    ``chaotic_for`` counts the iterates from the first of ``record`` to the second half of those of
+    the exponent. A transient whose motions leave it at the rate k per iterate lasts for N iterates
+    with the probability exp(-k N), so the rate is below ``escape_rate_below`` = -log(0.05)/N with
+    95 % confidence.
 
     References
     ----------

@@ -51,6 +51,7 @@ def bifurcation_diagram(
     start: str = "restart",
     transient: int = 200,
     record: int = 100,
+    longest: int | None = None,
     at: str = "strobe",
     side: str = "before",
     phase: float = 0.0,
@@ -83,6 +84,9 @@ def bifurcation_diagram(
         Periods left out at the beginning of each column.
     record : int, optional
         Periods looked at after that.
+    longest : int, optional
+        Largest transient: where a motion shows no period, its transient is doubled until there, and
+        it is looked at again each time. Without it, no motion is run on.
     at : str, optional
         When states are taken: ``"strobe"``, once per period; or the name of an exit or a surface,
         whenever the motion passes it.
@@ -115,11 +119,11 @@ def bifurcation_diagram(
         Over ``parameter``, ``lane`` and ``point``: states, outputs and ``mode``, nan and -1 where
         there are no more points. Over ``parameter`` and ``lane``: ``period`` in periods of the
         forcing, or in iterates of a map (0: none up to half of ``record``), ``word`` (modes of
-        that period), ``events`` and ``impacts`` per period, see notes, ``status``,
-        ``n_uncertain``, ``n_estimated``, and for every drifting state its change per period and per
-        unit time, as in ``v_per_period`` (of a map, per iterate, as in ``v_per_iterate``). After an
-        interruption the columns that are done are there; a lane of them that is not has the status
-        ``interrupted``.
+        that period), ``events`` and ``impacts`` per period, see notes, ``transient_used``,
+        ``status``, ``n_uncertain``, ``n_estimated``, and for every drifting state its change per
+        period and per unit time, as in ``v_per_period`` (of a map, per iterate, as in
+        ``v_per_iterate``). After an interruption the columns that are done are there; a lane of
+        them that is not has the status ``interrupted``.
 
     Raises
     ------
@@ -143,6 +147,10 @@ def bifurcation_diagram(
     ``impact`` in their name, as in ``impact`` or ``upper_impact``; two at one instant count as two.
     Events, impacts and drifts are means over the last whole periods of the motion in ``record``;
     where no period was found, they are means over all of it.
+
+    A motion without a period has not settled as far as it was looked at: it is chaotic or
+    quasi-periodic, its period is longer than half of ``record``, or it is a long transient. The
+    message tells for how many periods that holds, and never calls it chaos; `regime` tells which.
 
     A value that the system refuses leaves an empty column with the status ``refused``.
 
@@ -171,7 +179,7 @@ def bifurcation_diagram(
             " phase=, or at="
         )
     way = check_way(start)
-    protocol = read_protocol(chosen, parameter, transient, record, match, at, side)
+    protocol = read_protocol(chosen, parameter, transient, record, longest, match, at, side)
     given = list(initial) if isinstance(initial, Sequence) else [initial]
     if not given:
         raise OptionError("initial= is an empty list; give at least one initial state")
@@ -193,6 +201,7 @@ def bifurcation_diagram(
         "start": way,
         "transient": protocol.transient,
         "record": protocol.record,
+        "longest": protocol.longest,
         "at": at,
         **({"side": side} | chosen.protocol),
         "match": protocol.match,
@@ -268,6 +277,7 @@ def _maker(
         times=lambda group: group.iterates(protocol.transient, protocol.record + 1),
         reduce=partial(strobe_looks, protocol),
         follow=follow,
+        alone=follow is not None and protocol.longest > protocol.transient,
     )
 
 

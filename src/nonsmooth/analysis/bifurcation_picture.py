@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,11 +16,14 @@ from nonsmooth.analysis.options import SharedOptions, refuse_fixed, result_attri
 from nonsmooth.analysis.orbit_search.branches import read_bounds
 from nonsmooth.analysis.orbits import orbits
 from nonsmooth.analysis.pictures.branches import BranchCollector, OrbitPoints, strobes_of
+from nonsmooth.analysis.pictures.chunks import Chunks, open_chunks
 from nonsmooth.analysis.pictures.columns import Column, follow_numbers, settle_columns
 from nonsmooth.analysis.pictures.picture_dataset import picture_dataset
+from nonsmooth.analysis.statistics.escape import said_of_chaos
 from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import whole_number
+from nonsmooth.runs.packed_datasets import pack_dataset, unpack_dataset
 from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
@@ -51,6 +56,7 @@ def bifurcation_picture(
     steps: int = 1000,
     parameters: Mapping[str, float] | None = None,
     tolerance: float = 1e-12,
+    store: str | Path | None = None,
 ) -> xr.Dataset:
     """Draw up all that a system does over a parameter: attractors, basins and branches of orbits.
 
@@ -95,13 +101,18 @@ def bifurcation_picture(
         start on a wall is seldom there to the last digit; within the tolerance it counts as on the
         wall. You seldom need to change it: the accuracy of motions and events does not depend on
         it.
+    store : str or Path, optional
+        Folder in which finished parts are kept, made where it is missing. After an interruption
+        the same call goes on from them. A part is what is found at one value of the parameter, one
+        search, or one branch. ``points`` may change.
 
     Returns
     -------
     xarray.Dataset
         Over ``parameter`` and ``attractor``: ``settled`` (points over ``strobe`` and ``state``),
-        ``kind``, ``period``, ``fraction`` of the starts with its standard error, and ``exponent``
-        of what does not repeat; empty, 0 and nan where the attractor does not exist. Over
+        ``kind``, ``period``, ``fraction`` of the starts with its standard error, and of what does
+        not repeat ``exponent``, ``chaotic_for`` and ``escape_rate_below``, as in `attractors`;
+        empty, 0 and nan where the attractor does not exist. Over
         ``parameter``, the shares of starts that are ``unsettled`` and ``ended``. The branches stand
         one behind another over ``point``, with ``branch_of_point``, the states, the parameter,
         ``stable``, ``admissible``, ``word`` and more; their special points over ``special``, with
@@ -110,8 +121,10 @@ def bifurcation_picture(
     Raises
     ------
     OptionError
-        For an unknown state or parameter, an empty range, a region without admissible starts, or
-        an option out of its range.
+        For an unknown state or parameter, an empty range, a region without admissible starts, an
+        option out of its range, or a ``store`` that was begun with other options.
+    RunError
+        When the store could not be written, for want of room for one; what is done is kept there.
 
     See Also
     --------
@@ -160,7 +173,7 @@ def bifurcation_picture(
     >>> picture["period"].values[:, 0].tolist(), picture.sizes["branch"]
     ([1, 1, 1, 1, 1], 1)
     """
-    shared = SharedOptions(parameters, tolerance, seed=seed)
+    shared = SharedOptions(parameters, tolerance, store=store, seed=seed)
     chosen = map_of(system, parameters, tolerance, "bifurcation_picture", states_only=True)
     if not isinstance(chosen, StroboscopicMap):
         raise OptionError(
@@ -181,34 +194,42 @@ def bifurcation_picture(
     how = replace(how, exponent_steps=_EXPONENT_STEPS)
     values = np.linspace(low, high, whole_number("columns", columns, least=2))
     maps = [(float(value), _at(chosen, parameter, float(value))) for value in values]
-    with Progress("attractors", 2 * len(maps) - 1) as progress:
-        found, complete = settle_columns(
-            maps, lambda each: read_box(each.system, region, completion), how, progress.update
+    options = {
+        "parameter": parameter, "between": f"{low:g} {high:g}",
+        **{f"region_{name}": str((a, b)) for name, a, b in zip(
+            box.completion.given, box.low.tolist(), box.high.tolist(), strict=True)},
+        "completion": str(dict(box.completion.texts)), **chosen.protocol, **how.options,
+        "longest_period": longest, "searches": n_searches, "phase_of_period": chosen.phase,
+        **shared.recorded,
+    }  # fmt: skip
+    protocol = {
+        "system": base.to_toml(), "parameter": parameter, "between": [low, high],
+        "columns": values.size, "longest": longest, "searches": n_searches, "steps": steps,
+        "region": {name: [float(end) for end in ends] for name, ends in region.items()},
+        "completion": dict(box.completion.texts), "samples": how.samples, "record": record,
+        **chosen.protocol, "phase": chosen.phase, **shared.recorded, "seed": how.seed,
+    }  # fmt: skip
+    with open_chunks(shared.store, protocol) as chunks:
+        with Progress("attractors", 2 * len(maps) - 1) as progress:
+            found, complete = settle_columns(
+                maps, lambda each: read_box(each.system, region, completion), how,
+                progress.update, chunks,
+            )  # fmt: skip
+        collector = BranchCollector(
+            chosen, parameter, (low, high), longest, _scale(base, found), steps, tolerance, chunks
         )
-    collector = BranchCollector(
-        chosen, parameter, (low, high), longest, _scale(base, found), steps, tolerance
-    )
-    if complete:
-        anchors = np.linspace(low, high, n_searches + 2)[1:-1]
-        try:
-            collector.add_all(_cycles(found, longest))
-            collector.add_all(
-                _unstable(chosen, parameter, anchors, region, completion, longest, how)
-            )
-        except KeyboardInterrupt:
-            collector.complete = False
+        if complete:
+            anchors = np.linspace(low, high, n_searches + 2)[1:-1]
+            try:
+                collector.add_all(_cycles(found, longest))
+                collector.add_all(
+                    _unstable(chosen, parameter, anchors, region, completion, longest, how, chunks)
+                )
+            except KeyboardInterrupt:
+                collector.complete = False
     complete = complete and collector.complete
-    attrs = result_attributes(
-        base, "completed" if complete else "interrupted", _message(found, collector, complete),
-        {
-            "parameter": parameter, "between": f"{low:g} {high:g}",
-            **{f"region_{name}": str((a, b)) for name, a, b in zip(
-                box.completion.given, box.low.tolist(), box.high.tolist(), strict=True)},
-            "completion": str(dict(box.completion.texts)), **chosen.protocol, **how.options,
-            "longest_period": longest, "searches": n_searches, "phase_of_period": chosen.phase,
-            **shared.recorded,
-        },
-    )  # fmt: skip
+    said = _message(found, collector, complete)
+    attrs = result_attributes(base, "completed" if complete else "interrupted", said, options)
     return picture_dataset(
         base, parameter, found, follow_numbers(found), collector.branches, points, attrs
     )
@@ -252,11 +273,13 @@ def _unstable(
     completion: Any,
     longest: int,
     how: SearchOptions,
+    chunks: Chunks,
 ) -> Iterator[OrbitPoints]:
     """Orbits of any stability at some values."""
     for value in anchors:
         there = _at(chosen, parameter, float(value))
-        found = orbits(
+        search = partial(
+            orbits,
             there,
             region,
             completion=completion,
@@ -266,6 +289,9 @@ def _unstable(
             guesses=_GUESSES,
             record=_RECORD,
             tolerance=how.tolerance,
+        )
+        found = chunks.take(
+            search, pack_dataset, unpack_dataset, lambda one: one.attrs["status"] != "interrupted"
         )
         if found.attrs["status"] == "interrupted":
             raise KeyboardInterrupt
@@ -286,6 +312,13 @@ def _message(columns: Sequence[Column], collector: BranchCollector, complete: bo
     unsettled = sum(bool(np.any(column.labels == 0)) for column in columns)
     if unsettled:
         said.append(f"at {unsettled} values some starts are unsettled: raise record=")
+    horizons = [one.chaotic_for for each in columns for one in each.attractors if one.chaotic_for]
+    if horizons:
+        where = sum(any(one.chaotic_for for one in each.attractors) for each in columns)
+        said.append(
+            f"chaos at {where} values may be a long transient:"
+            f" {said_of_chaos(min(horizons), 'period')}"
+        )
     ended = sum(bool(np.any(column.labels < 0)) for column in columns)
     if ended:
         said.append(f"at {ended} values some starts ended early")

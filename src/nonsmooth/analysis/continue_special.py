@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.analysis.normal_forms.along_curve import CHANGES, CriticalityAlong
 from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.analysis.orbit_search.branches import (
     branch_dataset,
@@ -89,8 +90,9 @@ def continue_special(
         says what they have in common. ``special_kind`` over ``special`` names points of codimension
         two: ``cusp``, ``fold_flip``, ``fold_torus``, ``flip_torus``, ``resonance_1_1`` to
         ``resonance_1_4``, ``grazing_fold``, ``grazing_flip``, ``grazing_torus``,
-        ``double_grazing``, and others of the same form; ``turning_point`` where the second
-        parameter turns back.
+        ``double_grazing``, and others of the same form; ``generalised_flip`` and ``chenciner``
+        where flips or tori change between super- and subcritical; ``turning_point`` where the
+        second parameter turns back.
 
     Raises
     ------
@@ -109,7 +111,8 @@ def continue_special(
     the function vanishes by which `continue_orbit` has located the point, such as the lowest value
     of a guard in a leg. Where another of the functions that keep the word valid vanishes too, the
     curve goes on with the changed word if the same condition can be met by motions there, and ends
-    if not.
+    if not. Along flips and tori the coefficient of the cube is computed as in `criticality`, by
+    fewer differences, and times what vanishes at its poles.
 
     Examples
     --------
@@ -196,7 +199,10 @@ def read_special_options(
         float(branch.attrs["phase_of_period"]), not is_driven(build_tables(system)),
         whole_number("steps", steps), begin, longest, shortest, float(shared.tolerance), False,
     )  # fmt: skip
-    asked = CurveOptions(options, place.kind, first, place.bounds)
+    watched = None
+    if place.kind in CHANGES:
+        watched = CHANGES[place.kind], CriticalityAlong(system, first, place.kind)
+    asked = CurveOptions(options, place.kind, first, place.bounds, watched)
     return _Wanted(asked, guess_of_dataset(system, place.orbit), place.test)
 
 

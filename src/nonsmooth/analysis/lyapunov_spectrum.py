@@ -13,11 +13,9 @@ from nonsmooth.analysis.exponents.exponent_dataset import exponent_dataset
 from nonsmooth.analysis.exponents.exponent_run import (
     ExponentProtocol,
     ExponentRun,
-    halves_differ,
-    is_chaotic,
     run_exponents,
-    said_of_later,
 )
+from nonsmooth.analysis.exponents.horizon import find_horizon
 from nonsmooth.analysis.options import SharedOptions, check_seed
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
@@ -103,12 +101,13 @@ def lyapunov_spectrum(
     -------
     xarray.Dataset
         Over ``exponent``, numbered from one: ``lyapunov_exponent`` per unit time, the largest
-        first, ``standard_error``; over ``time`` too: ``running_exponent``, the average from the
-        end of the transient up to that time. ``exponent_sum`` and ``kaplan_yorke_dimension``
-        where all that they need is there. Attributes: ``status`` and ``message`` as for
-        `simulate`, ``certified``, ``n_uncertain`` and ``n_estimated`` likewise, ``n_events`` and
-        ``n_impacts`` of the record (as in `bifurcation_diagram`)
-        and its ``duration``, ``block_length`` (in intervals), ``n_blocks``,
+        first, ``standard_error``; over ``time`` too: ``running_exponent``, the average from the end
+        of the transient up to that time. ``exponent_sum`` and ``kaplan_yorke_dimension`` where all
+        that they need is there. Attributes: ``status`` and ``message`` as for `simulate`,
+        ``certified``, ``n_uncertain`` and ``n_estimated`` likewise, ``n_events`` and ``n_impacts``
+        of the record (as in `bifurcation_diagram`) and its ``duration``, ``chaotic_for`` and
+        ``escape_rate_below`` (periods of chaos without an end, and the bound that follows, see
+        notes; 0 and nan where it is not chaotic), ``block_length`` (in intervals), ``n_blocks``,
         ``blocks_independent``, the system as TOML and the options.
 
     Raises
@@ -142,10 +141,16 @@ def lyapunov_spectrum(
     whole number of intervals; ``blocks_independent`` says whether neighbouring blocks are
     uncorrelated, below two over the root of their number. Where they are not, take a longer
     record. Standard errors do not see a transient that was too short. Two checks do. The largest
-    exponents of both halves of the record are compared, and a motion with an exponent above zero
-    is run on for ``confirm`` periods. Where the halves differ, or the motion repeats or ends later,
-    the attribute ``settled`` is 0, and a warning and the message say why. No finite run tells chaos
-    from a longer transient.
+    exponents of both halves of the record are compared. And a motion with an exponent above zero
+    is run on for ``confirm`` periods, at the end of which its exponents are taken again over half
+    as many periods as ``record``. Where the halves differ, or the motion repeats, ends or has
+    another exponent later, the attribute ``settled`` is 0, and a warning and the message say why.
+
+    No finite run tells chaos from a longer transient. ``chaotic_for`` tells for how many periods
+    the motion was chaotic without an end: up to the record behind ``confirm``, or without it up to
+    the second half of the record. A transient whose motions leave it at the rate k per period lasts
+    for N periods with the probability exp(-k N), so the rate is below ``escape_rate_below`` =
+    -log(0.05)/N with 95 % confidence.
 
     The Kaplan-Yorke dimension counts an exponent as zero that is below three standard errors
     or below one over the duration. For a forced system it is that of the stroboscopic map;
@@ -188,7 +193,11 @@ def lyapunov_spectrum(
     first = start.instant.time(window)
     check_signals(system, first, first + (protocol.transient + protocol.record) * window)
     derivatives, number = build_derivatives(system, tables, ()), check_seed(shared.seed)
-    run = run_exponents(system, tables, derivatives, start, protocol, count, tolerance, number)
+
+    def run_from(begin: Start, how: ExponentProtocol) -> ExponentRun:
+        return run_exponents(system, tables, derivatives, begin, how, count, tolerance, number)
+
+    run = run_from(start, protocol)
     options: dict[str, Any] = {
         "transient": protocol.transient * unit,
         "record": protocol.record * unit,
@@ -200,26 +209,24 @@ def lyapunov_spectrum(
         **({} if strobe is None else strobe.protocol),
     }
     length = strobe.length if strobe is not None else None
-    followed = periodic and not system.signals
-    unsettled = _unsettled(system, run, length, tolerance, more if followed else 0)
-    result = exponent_dataset(system, run, unsettled, options)
+    horizon = find_horizon(
+        system, run, protocol, run_from, length=length, window=window, tolerance=tolerance,
+        confirm=more if periodic and not system.signals else 0,
+    )  # fmt: skip
+    counts = _counts(strobe, periodic)
+    result = exponent_dataset(system, run, horizon, unit, counts, options)
     if run.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
-    if unsettled:
-        warnings.warn(f"{system.name}: {unsettled}", ResultWarning, stacklevel=2)
+    if horizon.unsettled:
+        warnings.warn(f"{system.name}: {horizon.unsettled}", ResultWarning, stacklevel=2)
     return result
 
 
-def _unsettled(
-    system: System, run: ExponentRun, length: float | None, tolerance: float, confirm: int
-) -> str:
-    """Why the exponents are those of a transient, "" where nothing says so."""
-    if run.status != Status.COMPLETED:
-        return ""
-    later = ""
-    if confirm and is_chaotic(run):
-        later = said_of_later(system, run, length, tolerance, confirm)
-    return later or halves_differ(run)
+def _counts(strobe: StroboscopicMap | None, periodic: bool) -> str:
+    """What transient and record are counted in."""
+    if strobe is not None and (strobe.period is not None or strobe.every > 1):
+        return "iterate"
+    return "period" if periodic else "unit"
 
 
 def _system_of(given: Any) -> tuple[StroboscopicMap | None, Any]:

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.options import SharedOptions, result_attributes
-from nonsmooth.analysis.regimes.labels import INADMISSIBLE, Verdict
+from nonsmooth.analysis.regimes.labels import CHAOTIC, INADMISSIBLE, Verdict
 from nonsmooth.analysis.regimes.options import RegimeProtocol, check_system, make_protocol
 from nonsmooth.analysis.regimes.regime_dataset import numbers_of
 from nonsmooth.analysis.regimes.regime_run import first_windows, settled_regimes
 from nonsmooth.analysis.settle import ParameterSets, said_of_start, settle
+from nonsmooth.analysis.statistics.escape import said_of_chaos
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import run_tasks
 from nonsmooth.runs.first_mode import explain_misfit
@@ -98,7 +99,9 @@ def regime(
         period), ``events`` and ``impacts`` (as in `bifurcation_diagram`) per strobe interval,
         ``residual`` (what is left between strobes a period apart, as a part of the size of the
         states; the least where there is no period), ``exponent`` with ``exponent_error``, ``K``,
-        ``transient_used`` (in strobes), ``n_uncertain``, ``n_estimated``, and for every drifting
+        ``transient_used`` (in strobes), ``chaotic_for`` and ``escape_rate_below`` (periods of chaos
+        without an end, and the bound that follows, see notes; 0 and nan of other motions),
+        ``n_uncertain``, ``n_estimated``, and for every drifting
         state its change per period and per unit time, as in ``v_per_period``. Over ``multiplier``:
         ``multiplier_real``, ``multiplier_imag`` and ``multiplier_modulus`` of a motion that
         repeats, the largest first. nan is what was not needed for the label. The attribute
@@ -143,10 +146,13 @@ def regime(
     ``chaotic``
         Strobes do not repeat, the largest exponent is more than three standard errors above zero,
         and K of the 0-1 test is not below 0.2. The spread of no state grows tenfold from window
-        to window, as in a motion that runs away. The motion is then run on for ``confirm`` periods.
-        Where it repeats at their end, or has ended, the label is that of what it came to. Else the
-        message tells how many periods have passed: no finite run tells chaos from a longer
-        transient.
+        to window, as in a motion that runs away. The motion is then run on for ``confirm`` periods,
+        and looked at again. Where it has settled or ended, the label is that of what it came to;
+        where it is on its way, it is looked at up to four times more, ever later. No finite run
+        tells chaos from a longer transient, so ``chaotic_for`` counts the periods from the first
+        window with an exponent above zero to the last one. A transient whose motions leave it at
+        the rate k per period lasts as long with the probability exp(-k N), so the rate is below
+        ``escape_rate_below`` = -log(0.05)/N with 95 % confidence.
     ``quasi-periodic``
         Strobes do not repeat, the exponent is within three standard errors of zero and less than
         3 over the duration of a window in size, K is not above 0.5, and strobes do not nearly
@@ -248,9 +254,10 @@ def _dataset(
             ("multiplier",), values.copy(), {"long_name": f"multiplier, {name}"},
         )  # fmt: skip
     coords = {"multiplier": ("multiplier", np.arange(1, multipliers.size + 1))}
-    message = with_doubts(
-        f"{verdict.label}: {verdict.reason}", verdict.uncertain, verdict.estimated
-    )
+    reason = verdict.reason
+    if verdict.label == CHAOTIC:
+        reason += f"; {said_of_chaos(verdict.chaotic_for, 'period')}"
+    message = with_doubts(f"{verdict.label}: {reason}", verdict.uncertain, verdict.estimated)
     told = {
         "certified": int(verdict.uncertain == verdict.estimated == 0),
         "transient": protocol.transient,

@@ -57,7 +57,8 @@ def attractors(task: Task) -> None:
         if attrs[key]:
             report.add(label, f"{attrs[key]} starts", **{key: attrs[key]})
     _add_attractors(report, result)
-    task.finish(result, report, code=task.by_message(result))
+    complete = str(attrs["message"]).startswith("completed")
+    task.finish(result, report, code=task.by_message(result, complete))
 
 
 def coordinates_of(task: Task) -> list[str]:
@@ -93,7 +94,8 @@ def basins(task: Task) -> None:
         if attrs[key]:
             report.add(kind, f"{attrs[key]} cells", **{key: attrs[key]})
     _add_attractors(report, result)
-    task.finish(result, report, code=task.by_message(result))
+    complete = str(attrs["message"]).startswith("completed")
+    task.finish(result, report, code=task.by_message(result, complete))
 
 
 def _options(task: Task, verb: str) -> dict[str, Any]:
@@ -190,7 +192,8 @@ def _add_attractors(report: Report, result: xr.Dataset) -> None:
         point = {name: float(one["points"].sel(state=name)[0]) for name in states}
         rows.append(
             (
-                int(one["attractor"]), str(one["kind"].item()), period or None, point, share,
+                int(one["attractor"]), (str(one["kind"].item()), int(one["chaotic_for"])),
+                period or None, point, share,
                 float(sizes.max(initial=0.0)) if period else None,
                 None if period else exponent, str(one["word"].item()),
             )
@@ -199,7 +202,7 @@ def _add_attractors(report: Report, result: xr.Dataset) -> None:
         report.add("exponents", "per iterate", exponents_are="per iterate")
     columns: list[Column] = [
         ("", "attractor", str),
-        ("kind", "kind", str),
+        ("kind", "kind and chaotic_for", lambda pair: pair[0]),  # the message tells for how long
         ("period", "period", or_blank(str)),
         (f"point {_bracketed(states)}", "point", _point_text),
         ("share", "share and share_error", _pair_text),

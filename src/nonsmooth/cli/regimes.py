@@ -58,6 +58,9 @@ def _regime_report(found: xr.Dataset) -> Report:
     if exponent == exponent:
         text = with_error(exponent, error, 6, 2)
         report.add("exponent", f"{text} per unit time", exponent=exponent, exponent_error=error)
+    if chaotic_for := found["chaotic_for"].item():  # the message tells it in words
+        report.data["chaotic_for"] = chaotic_for
+        report.data["escape_rate_below"] = found["escape_rate_below"].item()
     certified(report, found["n_uncertain"].item(), found["n_estimated"].item())
     used = found["transient_used"].item()
     report.add("transient", f"{used} periods", transient=used)

@@ -336,6 +336,8 @@ def _exponents_report(result: xr.Dataset) -> Report:
     attrs = result.attrs
     report = Report(attrs["system_name"])
     report.add("status", attrs["message"], status=attrs["status"], message=attrs["message"])
+    if attrs["chaotic_for"]:  # the message tells it in words
+        report.data |= {name: attrs[name] for name in ("chaotic_for", "escape_rate_below")}
     values, errors = result["lyapunov_exponent"].values, result["standard_error"].values
     for k, (value, error) in enumerate(zip(values, errors, strict=True), start=1):
         text = with_error(value, error, 6, 2)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.cli.arguments import names, need_period, settings, value_limits, value_range
+from nonsmooth.cli.basins import or_blank
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.report import Column, Report
 from nonsmooth.cli.variables import single
@@ -189,6 +190,7 @@ def _picture_report(result: xr.Dataset) -> Report:
         ("", "attractor", str), ("from", "from", number), ("to", "to", number),
         ("kinds", "kinds", ", ".join), ("periods", "periods", _first_periods),
         ("largest share", "largest_share", "{:.1%}".format),
+        ("chaotic for", "chaotic_for", or_blank(str)),
     ]  # fmt: skip
     report.table("attractors", columns, _attractor_rows(result), _MOST)
     ends = [
@@ -218,6 +220,7 @@ def _attractor_rows(result: xr.Dataset) -> Iterator[tuple[Any, ...]]:
             number, float(values[0]), float(values[-1]), sorted(set(kind[there, k].tolist())),
             sorted(set(result["period"].values[there, k].tolist()) - {0}),
             float(result["fraction"].values[there, k].max()),
+            min(filter(None, result["chaotic_for"].values[:, k].tolist()), default=None),
         )  # fmt: skip
 
 

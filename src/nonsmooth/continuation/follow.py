@@ -69,7 +69,8 @@ def follow(
     tests : callable, optional
         ``tests(point)`` returns a mapping of names to numbers. Where one changes its sign the place
         is found to rounding, and a point given that has the name in ``special``. NaN: not available
-        there.
+        there. In place of a number that takes long to compute, a function without arguments may
+        give it: it is called only where that number is needed.
     tolerance : float, optional
         Newton's method ends with a step this small relative to the scaled unknowns; what is left
         behind it is smaller.

@@ -157,6 +157,25 @@ class Mark(NamedTuple):
     last: bool = False
 
 
+class _Asked(Mapping[str, float]):
+    """Values of tests; those that are functions are called when they are asked for, once."""
+
+    def __init__(self, values: dict[str, float | Callable[[], float]]) -> None:
+        self._values = values
+
+    def __getitem__(self, name: str) -> float:
+        value = self._values[name]
+        if callable(value):
+            value = self._values[name] = float(value())
+        return value
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+
 class Observer:
     """Tests of points, and the places where they vanish."""
 
@@ -261,7 +280,7 @@ class Observer:
     def _named(self, name: str) -> Callable[[Node], float]:
         return lambda node: self.tested(node).get(name, math.nan)
 
-    def _asked(self, node: Node) -> dict[str, float]:
+    def _asked(self, node: Node) -> Mapping[str, float]:
         assert self.tests is not None
         try:
             found = call(self.tests, self._bare(node, {}, node.step, ""))
@@ -279,7 +298,9 @@ class Observer:
                     " taken by the continuation itself"
                 )
         try:
-            return {name: float(value) for name, value in found.items()}
+            return _Asked(
+                {name: value if callable(value) else float(value) for name, value in found.items()}
+            )
         except (TypeError, ValueError, OverflowError):
             raise OptionError(
                 f"tests returned {dict(found)!r:.80}; each value must be one real number, NaN where"

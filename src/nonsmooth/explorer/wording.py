@@ -29,7 +29,7 @@ _ADVICE = {
     "the run has reached max_seconds= or max_events=; all until then is kept. For more give larger"
     " limits, or go on in Python by simulate(system, run, ...) with the result as the start": "the"
     " motion has taken the work that a page gives to one; for more, copy the script",
-    ", which a longer transient= or regime tells": "",
+    ", which a larger longest= or regime tells": "",
     "; take its StroboscopicMap": "; leave the field 'at' empty, or choose the picture Section",
 }
 _PARAMETER = re.compile(r"parameters\[['\"](\w+)['\"]\]")

@@ -1,13 +1,16 @@
 """A condition that orbits of one word meet on a curve over two parameters, and what else happens.
 
 Beside the tests of the word, numbers are watched whose zeros are points of codimension two: another
-multiplier at 1 or -1, another pair on the unit circle, and on a torus curve the angle of the pair.
+multiplier at 1 or -1, another pair on the unit circle, on a torus curve the angle of the pair, and
+the coefficient that tells what begins at a flip or a torus.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -49,6 +52,9 @@ class CurveOptions:
     kind: str
     first: str  # the other parameter
     first_bounds: tuple[float, float]
+    # what happens where the criticality changes along the curve, and a number that vanishes there:
+    # of equations, unknowns and values of all parameters
+    criticality: tuple[str, Callable[[OrbitEquations, Floats, Floats], float]] | None = None
 
     @property
     def ranges(self) -> Floats:
@@ -142,7 +148,7 @@ class SpecialCondition:
         self.set_parameters(float(point.u[-1]), point.p)
         return self._tests.look(point.u[:-1].copy())
 
-    def others(self, point: Point) -> Mapping[str, float]:
+    def others(self, point: Point) -> Mapping[str, Any]:
         """What else may vanish: tests of the word, and ``also:...`` of codimension two."""
         looked = self.look(point)
         found = {
@@ -153,7 +159,12 @@ class SpecialCondition:
             # on a curve of grazes the engine sees what rounding makes of them
             and (name != "motion" or self.test in OF_UNIT_CIRCLE)
         }
-        return found | {f"also:{name}": value for name, value in self._also(looked).items()}
+        also: dict[str, Any] = {**self._also(looked)}
+        if also and self.asked.criticality is not None:
+            name, number = self.asked.criticality
+            values = self.legs.values.copy()
+            also[name] = partial(number, self.equations, point.u[:-1].copy(), values)  # it is dear
+        return found | {f"also:{name}": value for name, value in also.items()}
 
     def _also(self, looked: Looked) -> dict[str, float]:
         values = looked.multipliers.multipliers
@@ -172,7 +183,7 @@ class SpecialCondition:
         """The curve from a start; with ``grows`` only that test is looked at."""
         looks = BranchTests(self.equations, self.asked.options.tolerance, whole=False, grows=grows)
 
-        def tests(point: Point) -> Mapping[str, float]:
+        def tests(point: Point) -> Mapping[str, Any]:
             if not grows:
                 return self.others(point)
             self.set_parameters(float(point.u[-1]), point.p)

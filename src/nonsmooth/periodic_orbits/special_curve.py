@@ -49,8 +49,11 @@ _SAID = {
     "resonance_1_1": "two multipliers are 1: a torus curve ends on a fold curve",
     "resonance_1_2": "two multipliers are -1: a torus curve ends on a flip curve",
     "resonance_1_3": "a pair of multipliers at 120 degrees: orbits of three times the period",
+    "generalised_flip": "flips with a stable orbit beyond turn into flips with an unstable one",
+    "chenciner": "tori with a stable closed curve beyond turn into tori with an unstable one",
     "resonance_1_4": "a pair of multipliers at 90 degrees: orbits of four times the period",
 }
+_CRITICALITIES = ("generalised_flip", "chenciner")  # where a coefficient changes its sign
 _BETWEEN = {
     "fold": "where a multiplier is 1: a fold curve ends there, or begins",
     "flip": "where a multiplier is -1: a flip curve ends there, or begins",
@@ -167,6 +170,8 @@ class SpecialCurve:
             return "" if self._passes_section(name) else _both(own, kind_of(name))
         if test == name:
             return name
+        if test in _CRITICALITIES:
+            return test
         values = looked.multipliers.multipliers
         if own == "torus" and test not in OF_UNIT_CIRCLE:
             return f"resonance_{test}"

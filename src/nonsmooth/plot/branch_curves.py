@@ -61,6 +61,8 @@ _MARKS: dict[str, tuple[str, str]] = {
     "resonance_1_2": ("P", PALETTE["orange"]),
     "resonance_1_3": ("P", PALETTE["green"]),
     "resonance_1_4": ("P", PALETTE["purple"]),
+    "generalised_flip": ("d", PALETTE["orange"]),
+    "chenciner": ("d", PALETTE["green"]),
     "turning_point": (".", "0.4"),
     "bound": ("|", "black"),
     "closed": ("|", "black"),

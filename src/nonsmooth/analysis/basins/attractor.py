@@ -111,8 +111,9 @@ class Attractor:
     multipliers: npt.NDArray[np.complex128] | None = None  # of a cycle
     residual: float = np.nan  # of a cycle, beside the scale
     radius: float = np.nan  # around points of a cycle, beside the scale: all starts return
-    exponent: float = np.nan  # largest, per unit time, of a set that does not repeat
+    exponent: float = np.nan  # largest, per iterate, of a set that does not repeat
     exponent_error: float = np.nan
+    chaotic_for: int = 0  # iterates for which chaos was seen, without an end
     word: str = ""
     image: int = 0  # number of the mirror image, from 1; 0 where none of those found is it
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor
+from nonsmooth.analysis.statistics.escape import escape_rate_below, said_of_chaos
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.strobe_runner import StrobeRunner
@@ -143,6 +144,11 @@ def attractor_variables(
             [a.exponent_error for a in attractors], float, "standard error of the exponent"
         ),
     }
+    chaotic_for = [a.chaotic_for for a in attractors]
+    variables["chaotic_for"] = _each(chaotic_for, np.int64, "iterates of chaos without an end")
+    variables["escape_rate_below"] = _each(
+        escape_rate_below(chaotic_for), float, "bound of the rate per iterate at which it may end"
+    )
     if system.symmetry:
         variables["image"] = _each(
             [a.image for a in attractors],
@@ -201,7 +207,12 @@ def search_message(what: str, unsettled: int, ended: int, attractors: Sequence[A
         said.append(f"no attractors: all {what} ended early; simulate one of them to see why")
     elif ended:
         said.append(f"{ended} {what} ended early, as their motions diverge or come to rest")
-    return "; ".join(said) or "completed"
+    horizons = [each.chaotic_for for each in attractors if each.chaotic_for]
+    told = "; ".join(said) or "completed"
+    if not horizons:
+        return told
+    how_many = "1 attractor is" if len(horizons) == 1 else f"{len(horizons)} attractors are"
+    return f"{told}; {how_many} {said_of_chaos(min(horizons), 'iterate')}"
 
 
 def _each(values: Any, kind: Any, label: str) -> Any:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor, Cycle, canonical, refine
+from nonsmooth.analysis.basins.kind_of_set import ESCAPING, kind_of_set
 from nonsmooth.analysis.basins.recurrences import (
     Known,
     Measure,
@@ -24,7 +25,6 @@ from nonsmooth.analysis.basins.recurrences import (
 )
 from nonsmooth.analysis.basins.region import Box, admissible_starts
 from nonsmooth.analysis.options import SharedOptions, check_match, check_seed
-from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.analysis.statistics.periodicity import primitive_period
 from nonsmooth.engine.attractors import visit
 from nonsmooth.engine.lanes import ANY, SAME
@@ -46,6 +46,7 @@ __all__ = [
     "find_attractors",
     "measure_of",
     "read_search",
+    "search_among",
 ]
 
 Floats = npt.NDArray[np.float64]
@@ -58,10 +59,6 @@ _DIRECTIONS = 8  # in which it is tried, beside the axes
 _NEARER, _BARELY = 0.5, 0.99  # of the radius, to which all starts must have come
 _MOST_ITERATES = 200_000  # of all starts of a trial
 _TRANSIENT = 1e-3  # growth of starts before they shrink is made good by turns that shrink them so
-_STANDARD_ERRORS = 3.0  # above which a largest exponent is taken to be positive
-_TOGETHER = 4  # iterates in a step of the exponent; more may span more digits than there are
-_TURNING = 10  # steps in which the direction turns to the fastest
-_NEUTRAL = 3.0  # logarithm of the growth over all steps that may come from a torus as well
 _POINTS = 3  # of a long cycle that are tried
 
 # labels of lanes that come to no attractor
@@ -197,52 +194,6 @@ def _ends(
     distance = np.linalg.norm(measure.scaled(ends)[:, None] - points[None], axis=2).min(axis=1)
     found: Floats = distance[lanes.status != Status.INADMISSIBLE]
     return np.where(np.isnan(found), np.inf, found)
-
-
-def kind_of_set(
-    runner: Any, points: Floats, modes: Integers, drifting: npt.NDArray[np.bool_], steps: int
-) -> Attractor:
-    """A set of points that does not repeat, with its largest exponent."""
-    found = Attractor(
-        points=points,
-        modes=modes,
-        period=0,
-        drift=np.where(drifting, (points[-1] - points[0]) / max(1, len(points) - 1), 0.0),
-    )
-    exponent, error = _largest_exponent(runner, points[-1], int(modes[-1]), drifting, steps)
-    kind, neutral = "aperiodic", _NEUTRAL / (_TOGETHER * steps)
-    if exponent > max(_STANDARD_ERRORS * error, neutral):
-        kind = "chaotic"
-    elif abs(exponent) <= neutral:
-        kind = "quasi-periodic"
-    return replace(found, kind=kind, exponent=exponent, exponent_error=error)
-
-
-def _largest_exponent(
-    runner: Any, state: Floats, mode: int, drifting: npt.NDArray[np.bool_], steps: int
-) -> tuple[float, float]:
-    """Largest exponent per iterate of the states that do not drift, with its standard error.
-
-    The growth of one direction, which turns to the fastest within the first steps. Minus infinity
-    where every direction dies at once, nan where the motion ends.
-    """
-    free = np.ix_(~drifting, ~drifting)
-    direction = np.random.default_rng(0).standard_normal(int(np.sum(~drifting)))
-    growth = []
-    for _ in range(steps):
-        found = runner.images(state, mode, _TOGETHER)
-        if found is None:
-            return np.nan, np.nan
-        images, modes, derivative = found
-        direction = derivative[free] @ direction
-        size = float(np.linalg.norm(direction))
-        if size == 0.0:
-            return -np.inf, 0.0
-        growth.append(np.log(size) / _TOGETHER)
-        direction /= size
-        state, mode = images[-1], int(modes[-1])
-    rates = np.array(growth[_TURNING:])[:, None]
-    return float(rates.mean()), float(block_averages(rates).standard_error[0])
 
 
 @dataclass(frozen=True)
@@ -435,7 +386,9 @@ class AttractorSearch:
             return self.known.add(found), True
         if not is_last:
             return None
-        return (UNSETTLED, False) if shrinks else (self.known.add(found), True)
+        if shrinks or found.kind == ESCAPING:
+            return UNSETTLED, False
+        return self.known.add(found), True
 
     def _shrinks(self, points: Floats) -> bool:
         """Whether points still draw together, as on the slow way to a cycle."""
@@ -470,17 +423,29 @@ def find_attractors(
     known = Known(measure_of(images, starts, drifting, how.cells))
     complete, settled = True, SettledStarts(np.zeros(0, np.int64), np.zeros(0, np.int64))
     with Progress("attractors", len(starts)) as progress:
-        search = AttractorSearch(
-            runner, known, drifting,
-            match=how.match, longest=how.longest, record=how.record,
-            exponent_steps=how.exponent_steps,
-            tell=(lambda _: None) if silent else progress.update,
-        )  # fmt: skip
+        search = search_among(
+            chosen, known, how, (lambda _: None) if silent else progress.update, runner
+        )
         try:
             settled = search.settle(starts)
         except KeyboardInterrupt:
             complete = False
     return FoundAttractors(known, search, settled, drawn, complete)
+
+
+def search_among(
+    chosen: Any,
+    known: Known,
+    how: SearchOptions,
+    tell: Callable[[int], None] = lambda _: None,
+    runner: Any = None,
+) -> AttractorSearch:
+    """A search that knows some attractors already; ``tell`` is told how many lanes are done."""
+    return AttractorSearch(
+        chosen.runner(how.tolerance) if runner is None else runner, known,
+        drift_mask(chosen.system), match=how.match, longest=how.longest, record=how.record,
+        exponent_steps=how.exponent_steps, tell=tell,
+    )  # fmt: skip
 
 
 def drift_mask(system: System) -> npt.NDArray[np.bool_]:

@@ -131,6 +131,23 @@ class Known:
     _n_cells: int = 0
     _cycles: list[tuple[Floats, float, int]] = field(default_factory=list)
 
+    @classmethod
+    def of(
+        cls, measure: Measure, attractors: list[Attractor], keys: Integers, owner: Integers
+    ) -> Known:
+        """Attractors that were known before, with their table of cells."""
+        known = cls(measure)
+        for attractor in attractors:
+            known.add(attractor)
+        known._keys, known._owner = keys, owner
+        known._n_cells = int(np.count_nonzero(owner))
+        return known
+
+    @property
+    def cells(self) -> tuple[Integers, Integers]:
+        """The table of cells: a key and the number of its attractor, 0 where a place is empty."""
+        return self._keys, self._owner
+
     def add(self, attractor: Attractor) -> int:
         """Add an attractor; returns its number, from 1 on."""
         self.attractors.append(attractor)

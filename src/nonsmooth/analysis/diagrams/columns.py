@@ -41,6 +41,7 @@ class DiagramProtocol:
     parameter: str
     transient: int
     record: int
+    longest: int  # transient: motions without a period are run on until there
     match: float
     exits: npt.NDArray[np.bool_] | None  # (m, e): events at which states are taken; None: strobes
     after: bool  # whether these are the states after the event
@@ -51,6 +52,11 @@ class DiagramProtocol:
     def system(self) -> System:
         """The system with the parameters of the call."""
         return self.chosen.system
+
+    def next_transient(self, transient: int) -> int:
+        """Transient after which a motion without a period is looked at again; 0 for never."""
+        following = 2 * max(transient, self.record)
+        return following if following <= self.longest else 0
 
     @property
     def strobed(self) -> StroboscopicMap:
@@ -84,20 +90,36 @@ class Look:
     uncertain: int
     estimated: int
     window: float  # mean time of an iterate
+    transient: int = 0  # iterates before those that are looked at
 
 
 def read_protocol(
-    chosen: Map, parameter: str, transient: Any, record: Any, match: Any, at: Any, side: Any
+    chosen: Map,
+    parameter: str,
+    transient: Any,
+    record: Any,
+    longest: Any,
+    match: Any,
+    at: Any,
+    side: Any,
 ) -> DiagramProtocol:
     """How every column is computed."""
     system = chosen.system
     if not is_known(side, _SIDES):
         raise OptionError(unknown_choice("side", side, _SIDES))
+    left_out = whole_number("transient", transient, 0)
+    most = left_out if longest is None else whole_number("longest", longest, 0)
+    if most < left_out:
+        raise OptionError(
+            f"longest = {most} is less than transient = {left_out}, from which the transient of a"
+            " motion without a period is doubled"
+        )
     return DiagramProtocol(
         chosen=chosen,
         parameter=parameter,
-        transient=whole_number("transient", transient, 0),
+        transient=left_out,
         record=whole_number("record", record),
+        longest=most,
         match=check_match(match),
         exits=_exits(chosen, at, side),
         after=side == "after",

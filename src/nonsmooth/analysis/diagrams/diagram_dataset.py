@@ -76,12 +76,13 @@ def _of_lanes(
     """Variables with one value for each column and lane."""
     period = np.zeros(shape, np.int64)
     uncertain, estimated = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
+    transient = np.zeros(shape, np.int64)
     events, impacts, window = (np.full(shape, np.nan) for _ in range(3))
     drift = np.full((*shape, len(protocol.system.states)), np.nan)
     word = np.full(shape, "", object)
     status = np.full(shape, Status.INTERRUPTED.word, object)
     for i, j, one in _each(looks):
-        period[i, j] = one.period
+        period[i, j], transient[i, j] = one.period, one.transient
         uncertain[i, j], estimated[i, j] = one.uncertain, one.estimated
         events[i, j], impacts[i, j] = one.events, one.impacts
         window[i, j], drift[i, j] = one.window, one.drift
@@ -92,6 +93,9 @@ def _of_lanes(
         "word": (_LANES, word.astype(str), {"long_name": "modes of one period"}),
         "events": (_LANES, events, {"long_name": f"events per {protocol.unit}"}),
         "impacts": (_LANES, impacts, {"long_name": f"impacts per {protocol.unit}"}),
+        "transient_used": (
+            _LANES, transient, {"long_name": f"{protocol.unit}s before what was looked at"},
+        ),
         "n_uncertain": (_LANES, uncertain, {"long_name": "events that rounding leaves open"}),
         "n_estimated": (
             _LANES, estimated, {"long_name": "steps the errors of which are estimated"},
@@ -115,14 +119,15 @@ def _message(protocol: DiagramProtocol, looks: list[Look]) -> str:
     ended = {one.status.word for one in looks} - {Status.COMPLETED.word}
     if ended:
         return "some motions ended early, see status: " + ", ".join(sorted(ended))
-    restless = sum(one.period == 0 for one in looks)
+    restless = [one for one in looks if one.period == 0]
     if not restless:
         return "completed"
-    length = protocol.transient + protocol.record
+    length = min(one.transient for one in restless) + protocol.record
+    half = protocol.record // REPEATS
     return (
-        f"completed; {restless} of {len(looks)} motions have not settled to a period of at most"
-        f" {protocol.record // REPEATS} within {length} {protocol.unit}s: chaos, a longer period or"
-        " a long transient, which a longer transient= or regime tells"
+        f"completed; {len(restless)} of {len(looks)} motions have not settled to a period of at"
+        f" most {half} within {length} {protocol.unit}s: chaos, a longer period or a long"
+        " transient, which a larger longest= or regime tells"
     )
 
 

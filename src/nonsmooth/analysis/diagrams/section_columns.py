@@ -83,10 +83,31 @@ def run_section_chain(
 def _look(
     protocol: DiagramProtocol, runner: SectionRunner, lanes: SectionLanes, stop: threading.Event
 ) -> tuple[Look, SectionPoints | None]:
-    """Let a motion settle and record it; its points too."""
+    """Let a motion settle and record it, later again where it shows no period; its points too."""
+    transient, passed = protocol.transient, 0
+    look, points = _look_after(protocol, runner, lanes, transient, passed, stop)
+    while look.status == Status.COMPLETED and look.period == 0:
+        passed = look.transient + protocol.record + 1
+        transient = protocol.next_transient(transient)
+        if not transient:
+            break
+        # the last point of a record is passed already
+        look, points = _look_after(protocol, runner, lanes, max(transient, passed), passed, stop)
+    return look, points
+
+
+def _look_after(
+    protocol: DiagramProtocol,
+    runner: SectionRunner,
+    lanes: SectionLanes,
+    transient: int,
+    passed: int,
+    stop: threading.Event,
+) -> tuple[Look, SectionPoints | None]:
+    """Record a motion after so many points, some of which it has passed already."""
     n, window = lanes.lanes.end_state.shape[1], runner.engine.window
-    if protocol.transient:
-        runner.take(lanes, 0, protocol.transient, stop)
+    if transient > passed:
+        runner.take(lanes, 0, transient - passed, stop)
     points, rows, _ = runner.take(lanes, 0, protocol.record + 1, stop)
     status = Status(int(lanes.status[0]))
     if status != Status.COMPLETED:
@@ -97,8 +118,8 @@ def _look(
     period = _period(protocol, states, since, lanes.ways[0].size)
     count = whole_periods(protocol.record, period)
     first = -1 - count
-    passed = rows[points.row[first] + 1 : points.row[-1] + 1]
-    passed = passed[runner.is_event(passed)]
+    events = rows[points.row[first] + 1 : points.row[-1] + 1]
+    events = events[runner.is_event(events)]
     # the last point closes the recorded time and belongs to the next iterate
     taken = states[:-1], points.number[:-1], points.phase[:-1], modes[:-1]
     if protocol.outputs:
@@ -109,12 +130,13 @@ def _look(
         *taken,
         period,
         _word(runner, points, rows, period) if period else "",
-        len(passed) / count,
-        impacts_of(runner.engine.system).count(passed) / count,
+        len(events) / count,
+        impacts_of(runner.engine.system).count(events) / count,
         (states[-1] - states[first]) / count,
         int(lanes.lanes.uncertain[0]),
         int(lanes.lanes.estimated[0]),
         float(since[-1] - since[first]) / count,
+        transient,
     )
     return look, points
 

@@ -28,15 +28,30 @@ Integers = npt.NDArray[np.int64]
 
 
 def strobe_looks(protocol: DiagramProtocol, group: Group, recorded: Recorded) -> list[Look]:
-    """A look for each motion of a group."""
-    return _Judged(protocol, group, recorded).looks()
+    """A look for each motion of a group.
+
+    Motions that show no period are run on and looked at again, as long as the protocol says.
+    """
+    transient = protocol.transient
+    looks = _Judged(protocol, group, recorded, transient).looks()
+    while transient := protocol.next_transient(transient):
+        going = np.array([one.status == Status.COMPLETED and one.period == 0 for one in looks])
+        if not np.any(going):
+            break
+        times = group.iterates(transient, protocol.record + 1)
+        later = _Judged(protocol, group, group.run(times, chosen=going), transient).looks()
+        looks = [new if goes else one for new, goes, one in zip(later, going, looks, strict=True)]
+    return looks
 
 
 class _Judged:
     """What is seen of motions that were recorded together."""
 
-    def __init__(self, protocol: DiagramProtocol, group: Group, recorded: Recorded) -> None:
+    def __init__(
+        self, protocol: DiagramProtocol, group: Group, recorded: Recorded, transient: int
+    ) -> None:
         self._protocol, self._group, self._recorded = protocol, group, recorded
+        self._transient = transient
         self._done = recorded.statuses == Status.COMPLETED
         self._passed = PassedEvents(protocol.system, recorded)
         self._period = np.zeros(group.count, np.int64)
@@ -105,6 +120,7 @@ class _Judged:
                 Status.COMPLETED, *taken[k], int(period[k]), words[k],
                 float(events[k]), float(impacts[k]), drift[k],
                 int(motions.uncertain[k]), int(motions.estimated[k]), float(lasts[k] / count[k]),
+                self._transient,
             )
             if self._done[k]
             else nothing(

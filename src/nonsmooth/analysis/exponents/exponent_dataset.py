@@ -9,8 +9,10 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.exponents.exponent_run import ExponentRun
+from nonsmooth.analysis.exponents.horizon import Horizon
 from nonsmooth.analysis.options import result_attributes
 from nonsmooth.analysis.statistics.block_averages import block_averages
+from nonsmooth.analysis.statistics.escape import escape_rate_below, said_of_chaos
 from nonsmooth.engine.status import CURES, Status
 from nonsmooth.runs.labels import labels_of, with_doubts
 from nonsmooth.system.system import System
@@ -21,11 +23,16 @@ Vector = npt.NDArray[np.float64]
 
 
 def exponent_dataset(
-    system: System, run: ExponentRun, unsettled: str, options: dict[str, Any]
+    system: System,
+    run: ExponentRun,
+    horizon: Horizon,
+    unit: float,
+    counts: str,
+    options: dict[str, Any],
 ) -> xr.Dataset:
     """Exponents in order with their errors, the running estimate, sum and dimension.
 
-    ``unsettled``: why they are those of a transient, "" where nothing says so.
+    ``unit``: how many of what the record ``counts`` in a window of the clock
     """
     running = _running(run)
     values = running[-1] if len(running) else np.full(run.growth.shape[1], np.nan)
@@ -39,6 +46,7 @@ def exponent_dataset(
     errors[finite] = blocks.standard_error
     duration = float(run.times[-1] - run.times[0]) if len(running) else 0.0
     whole = values.size == run.n_states
+    chaotic_for = horizon.chaotic_for * unit
     time = labels_of(system).attributes("time")
     per_time = {"units": f"1/{time['units']}"} if "units" in time else {}
     variables: dict[str, Any] = {
@@ -66,7 +74,9 @@ def exponent_dataset(
         "time": ("time", run.times[1:], time),
     }
     told = {
-        "settled": int(not unsettled),
+        "settled": int(not horizon.unsettled),
+        "chaotic_for": chaotic_for,
+        "escape_rate_below": float(escape_rate_below(chaotic_for)),
         "duration": duration,
         "n_events": run.n_events,
         "n_impacts": run.n_impacts,
@@ -79,7 +89,11 @@ def exponent_dataset(
         **({} if system.period_value is None else {"period": system.period_value}),
         **options,
     }
-    message = _message(run) + (f"; {unsettled}" if unsettled else "")
+    message = _message(run)
+    if horizon.unsettled:
+        message += f"; {horizon.unsettled}"
+    elif chaotic_for:
+        message += f"; {said_of_chaos(chaotic_for, counts)}"
     attrs = result_attributes(system, run.status.word, message, told)
     return xr.Dataset(variables, coords, attrs)
 

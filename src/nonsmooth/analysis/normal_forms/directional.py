@@ -76,10 +76,12 @@ class Estimate(NamedTuple):
         return bool(abs(self.value) > self.error)
 
 
-def differences(near: WordMap, along: Floats, by_parameter: float, width: float) -> Differences:
+def differences(
+    near: WordMap, along: Floats, by_parameter: float, width: float, levels: int = _LEVELS
+) -> Differences:
     """Differences along a line through the orbit; `Narrow` where the word changes at once.
 
-    width: what counts as large for the parameter
+    width: what counts as large for the parameter; levels: number of steps
     """
     size = max(np.abs(along / near.sizes).max(initial=0.0), abs(by_parameter) / width)
     step = largest = _LARGEST / size
@@ -91,7 +93,7 @@ def differences(near: WordMap, along: Floats, by_parameter: float, width: float)
         raise Narrow(step * size)
     centre = _derivatives(_image(near, 0.0 * along, 0.0))
     first, second = [], []
-    steps = _steps(step)
+    steps = _steps(step, levels)
     for h in steps:
         ahead, behind = (
             _derivatives(_image(near, way * along, way * by_parameter)) for way in (h, -h)
@@ -119,8 +121,8 @@ def derivative(function: Callable[[float], npt.ArrayLike], longest: float) -> li
     ]
 
 
-def _steps(longest: float) -> Floats:
-    return np.asarray(longest / _RATIO ** np.arange(_LEVELS))
+def _steps(longest: float, levels: int = _LEVELS) -> Floats:
+    return np.asarray(longest / _RATIO ** np.arange(levels))
 
 
 def _image(near: WordMap, away: Floats, by_parameter: float) -> Image:
@@ -154,7 +156,7 @@ def extrapolate(
     rows = list(made_of)
     table = [_sums(terms, rows)]
     best = Estimate(float(table[0][-1, 0]), np.inf)
-    for order in range(1, _LEVELS):
+    for order in range(1, len(rows[0].values)):
         rows = [_next_order(each, 1.0 / (_RATIO ** (2 * order) - 1.0)) for each in rows]
         table.append(_sums(terms, rows))
         (here, doubt), before = table[order].T, table[order - 1][:, 0]

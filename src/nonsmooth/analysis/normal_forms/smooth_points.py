@@ -26,7 +26,7 @@ from nonsmooth.analysis.normal_forms.map_forms import (
 from nonsmooth.analysis.normal_forms.normal_form import NormalForm, side_of
 from nonsmooth.periodic_orbits.word_map import Image, WordMap
 
-__all__ = ["KINDS", "form_of_smooth"]
+__all__ = ["KINDS", "cubic_of", "form_of_smooth"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -64,8 +64,8 @@ class _CriticalPoint(NamedTuple):
         unit = np.eye(self.jacobian.shape[0])
         return np.asarray(np.linalg.solve(unit - self.jacobian, self.image.by_parameter))
 
-    def along(self, direction: Floats, by_parameter: float = 0.0) -> Differences:
-        return differences(self.near, direction, by_parameter, self.width)
+    def along(self, direction: Floats, by_parameter: float = 0.0, **levels: int) -> Differences:
+        return differences(self.near, direction, by_parameter, self.width, **levels)
 
     def blurred(self, found: Estimate) -> Estimate:
         """With the error that a point has which is located to so many digits only."""
@@ -105,6 +105,24 @@ def form_of_smooth(near: WordMap, kind: str, width: float, name: str) -> NormalF
     return form
 
 
+def cubic_of(near: WordMap, kind: str, levels: int) -> tuple[Critical, Estimate] | None:
+    """The cubic coefficient of a flip or a torus with its multipliers; None where it has none.
+
+    levels: steps of differences; fewer than usual take less time and tell fewer digits
+    """
+    image = near.image(near.start, near.value)
+    if image is None or not np.all(np.isfinite(image.by_start)) or near.vanishing:
+        return None
+    here = critical(image.by_start, near.sizes, _TARGETS[kind])
+    point = _CriticalPoint(near, image, here, 1.0, "", 0.0)
+    lines = point.along(here.right.real, levels=levels)
+    if kind == "flip":
+        return here, _flip_coefficient(point, lines)
+    if here.multiplier.imag == 0.0:  # beyond a strong resonance
+        return None
+    return here, _torus_coefficient(point, lines, point.along(here.right.imag, levels=levels))
+
+
 def _fold(point: _CriticalPoint, form: NormalForm, lines: Differences) -> None:
     found = point.blurred(extrapolate(lambda d: quadratic(point.here, d[0][:, :-1]), [lines.first]))
     rate = float(point.here.left.real @ point.image.by_parameter)
@@ -125,14 +143,15 @@ def _fold(point: _CriticalPoint, form: NormalForm, lines: Differences) -> None:
 
 
 def _flip(point: _CriticalPoint, form: NormalForm, lines: Differences) -> None:
-    found = point.blurred(
-        extrapolate(
-            lambda d: cubic_of_flip(point.here, point.jacobian, d[0][:, :-1], d[1][:, :-1]),
-            [lines.first, lines.second],
-        )
-    )
-    _fill(form, found, _rate(point, point.slope))
+    _fill(form, point.blurred(_flip_coefficient(point, lines)), _rate(point, point.slope))
     _judge(form, point, form.coefficient, "orbit of twice the period")
+
+
+def _flip_coefficient(point: _CriticalPoint, lines: Differences) -> Estimate:
+    return extrapolate(
+        lambda d: cubic_of_flip(point.here, point.jacobian, d[0][:, :-1], d[1][:, :-1]),
+        [lines.first, lines.second],
+    )
 
 
 def _torus(point: _CriticalPoint, form: NormalForm, lines: Differences) -> None:
@@ -140,15 +159,7 @@ def _torus(point: _CriticalPoint, form: NormalForm, lines: Differences) -> None:
     form.reach, form.narrow = min(form.reach, other.reach), form.narrow or other.narrow
     form.angle = float(np.angle(point.here.multiplier))
     turns = form.angle / (2.0 * np.pi)
-    found = point.blurred(
-        extrapolate(
-            lambda d: cubic_of_torus(
-                point.here, point.jacobian, (d[0][:, :-1], d[1][:, :-1]),
-                (d[2][:, :-1], d[3][:, :-1]),
-            ),
-            [lines.first, other.first, lines.second, other.second],
-        )
-    )  # fmt: skip
+    found = point.blurred(_torus_coefficient(point, lines, other))
     _fill(form, found, _rate(point, point.slope))
     form.resonance = next(
         (name for name, at in _RESONANCES.items() if abs(turns - at) <= _RESONANT), ""
@@ -160,6 +171,16 @@ def _torus(point: _CriticalPoint, form: NormalForm, lines: Differences) -> None:
         )
         return
     _judge(form, point, -form.coefficient, "closed curve of section points")
+
+
+def _torus_coefficient(point: _CriticalPoint, lines: Differences, other: Differences) -> Estimate:
+    """By differences along the real and along the imaginary part of the eigenvector."""
+    return extrapolate(
+        lambda d: cubic_of_torus(
+            point.here, point.jacobian, (d[0][:, :-1], d[1][:, :-1]), (d[2][:, :-1], d[3][:, :-1])
+        ),
+        [lines.first, other.first, lines.second, other.second],
+    )
 
 
 def _symmetry_breaking(point: _CriticalPoint, form: NormalForm, lines: Differences) -> None:

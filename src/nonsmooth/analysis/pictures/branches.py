@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,8 +12,10 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.continue_orbit import continue_orbit
 from nonsmooth.analysis.find_orbit import find_orbit
+from nonsmooth.analysis.pictures.chunks import Chunks
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError
+from nonsmooth.runs.packed_datasets import pack_dataset, unpack_dataset
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
 if TYPE_CHECKING:
@@ -27,6 +30,7 @@ _NEAR = 1e-3  # likewise: points that are one
 _SAME = 1e-6  # likewise, of the orbit of the branch at the very value
 _AT = 1e-7  # of the range of the parameter, within which two values are one
 _MOST = 200  # branches
+_FAILURE = "failure"  # name of an array: why there is no branch
 _LEAVING = ("flip", "symmetry_breaking", "branch_point")  # where other branches begin
 
 
@@ -58,6 +62,7 @@ class BranchCollector:
     scale: Floats
     steps: int
     tolerance: float
+    chunks: Chunks
     branches: list[xr.Dataset] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)  # of cycles that began no branch
     complete: bool = True
@@ -121,6 +126,20 @@ class BranchCollector:
 
     def _follow(self, value: float, **beginning: Any) -> None:
         """One branch, and those that leave it."""
+        found = self.chunks.take(
+            partial(self._branch, value, **beginning), _packed, _unpacked, whole=_is_whole
+        )
+        if isinstance(found, str):
+            self.failures.append(f"{self.parameter} = {value:.6g}: {found}")
+            return
+        self.branches.append(found)
+        if not _is_whole(found):
+            self.complete = False
+            return
+        self._leave(found)
+
+    def _branch(self, value: float, **beginning: Any) -> xr.Dataset | str:
+        """A branch, or why there is none."""
         try:
             found = continue_orbit(
                 self.chosen, self.parameter, self.between, **beginning, steps=self.steps,
@@ -128,16 +147,12 @@ class BranchCollector:
                 parameters={self.parameter: value} if "special" not in beginning else None,
             )  # fmt: skip
         except OptionError as fault:
-            self.failures.append(f"{self.parameter} = {value:.6g}: {fault}")
-            return
+            return str(fault)
         if found.sizes["point"] < 2:
-            self.failures.append(f"{self.parameter} = {value:.6g}: {found.attrs['message']}")
-            return
-        self.branches.append(self._with_strobes(found))
-        if found.attrs["status"] == "interrupted":
-            self.complete = False
-            return
-        self._leave(found)
+            if not _is_whole(found):
+                raise KeyboardInterrupt
+            return str(found.attrs["message"])
+        return self._with_strobes(found)
 
     def _leave(self, branch: xr.Dataset) -> None:
         """Branches that begin at the special points of one."""
@@ -190,6 +205,19 @@ def strobes_of(chosen: StroboscopicMap, state: Floats, period: int, tolerance: f
     if found is None:
         return np.concatenate([state[None], np.full((period - 1, len(state)), np.nan)])
     return np.concatenate([state[None], found[0]])
+
+
+def _is_whole(found: xr.Dataset | str) -> bool:
+    """Whether a branch was not interrupted."""
+    return isinstance(found, str) or found.attrs["status"] != "interrupted"
+
+
+def _packed(found: xr.Dataset | str) -> dict[str, npt.NDArray[Any]]:
+    return {_FAILURE: np.array(found)} if isinstance(found, str) else pack_dataset(found)
+
+
+def _unpacked(arrays: dict[str, npt.NDArray[Any]]) -> xr.Dataset | str:
+    return str(arrays[_FAILURE].item()) if _FAILURE in arrays else unpack_dataset(arrays)
 
 
 def _period(branch: xr.Dataset) -> int:

@@ -8,7 +8,9 @@ too, and tell where each attractor leads when the parameter takes a step.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,9 +19,12 @@ from nonsmooth.analysis.basins.attractor import Attractor
 from nonsmooth.analysis.basins.attractor_search import (
     FoundAttractors,
     SearchOptions,
+    SettledStarts,
     find_attractors,
+    search_among,
 )
 from nonsmooth.analysis.basins.region import Box
+from nonsmooth.analysis.pictures.chunks import Chunks, pack_known, unpack_known
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.runs.maps import Map
 
@@ -61,38 +66,92 @@ def settle_columns(
     box_of: Callable[[Map], Box],
     how: SearchOptions,
     report: Callable[[int], None],
+    chunks: Chunks | None = None,
 ) -> tuple[list[Column], bool]:
     """Columns in the order of the values, and whether all are there.
 
     ``report`` is told how many columns are done, each of which counts once in each of two passes.
+    Of ``chunks`` each takes one.
     """
+    chunks = Chunks() if chunks is None else chunks
     columns: list[Column] = []
     try:
         for value, chosen in maps:
-            found = find_attractors(chosen, box_of(chosen), how, silent=True)
-            if not found.complete:
-                return columns, False
-            column = Column(value, found)
-            if columns:
-                links = column.starts_from(columns[-1].attractors)
-                column = Column(value, found, from_below=links)
-            columns.append(column)
+            below = columns[-1:]
+            found: list[Column] = chunks.take(
+                partial(_first_column, value, chosen, box_of, how, below),
+                _packed,
+                partial(_unpacked, [(value, chosen)], how),
+            )
+            columns += found
             report(len(columns))
         for k in reversed(range(len(columns) - 1)):
-            here, above = columns[k], columns[k + 1]
-            links = here.starts_from(above.attractors)
-            columns[k] = Column(here.value, here.found, here.from_below, links)
-            # an attractor that only the column above had is followed upwards as well
-            known = len(above.from_below)
-            late = above.starts_from(here.attractors[known:])
-            columns[k + 1] = Column(
-                above.value, above.found, np.concatenate([above.from_below, late]),
-                above.from_above,
-            )  # fmt: skip
+            found = chunks.take(
+                partial(_linked, columns[k], columns[k + 1]),
+                _packed,
+                partial(_unpacked, maps[k : k + 2], how),
+            )
+            columns[k : k + 2] = found
             report(2 * len(columns) - k - 1)
     except KeyboardInterrupt:
         return columns, False
     return columns, True
+
+
+def _first_column(
+    value: float,
+    chosen: Map,
+    box_of: Callable[[Map], Box],
+    how: SearchOptions,
+    below: Sequence[Column],
+) -> list[Column]:
+    """The column at a value, which no column above has been linked to yet."""
+    found = find_attractors(chosen, box_of(chosen), how, silent=True)
+    if not found.complete:
+        raise KeyboardInterrupt
+    column = Column(value, found)
+    if below:
+        column = Column(value, found, from_below=column.starts_from(below[-1].attractors))
+    return [column]
+
+
+def _linked(here: Column, above: Column) -> list[Column]:
+    """Two neighbours, the first of which has been looked at from the second as well."""
+    links = here.starts_from(above.attractors)
+    # an attractor that only the column above had is followed upwards as well
+    known = len(above.from_below)
+    late = above.starts_from(here.attractors[known:])
+    return [
+        replace(here, from_above=links),
+        replace(above, from_below=np.concatenate([above.from_below, late])),
+    ]
+
+
+def _packed(columns: list[Column]) -> dict[str, npt.NDArray[Any]]:
+    """Columns as arrays, with all that their searches know."""
+    arrays: dict[str, npt.NDArray[Any]] = {}
+    for k, column in enumerate(columns):
+        found = column.found
+        arrays |= {
+            f"{k}.label": found.settled.label, f"{k}.needed": found.settled.needed,
+            f"{k}.drawn": np.array(found.drawn), f"{k}.from_below": column.from_below,
+            f"{k}.from_above": column.from_above, **pack_known(found.known, f"{k}.known."),
+        }  # fmt: skip
+    return arrays
+
+
+def _unpacked(
+    maps: Sequence[tuple[float, Map]], how: SearchOptions, arrays: dict[str, npt.NDArray[Any]]
+) -> list[Column]:
+    """The columns of arrays that `_packed` made."""
+    columns = []
+    for k, (value, chosen) in enumerate(maps):
+        known = unpack_known(arrays, f"{k}.known.")
+        settled = SettledStarts(arrays[f"{k}.label"], arrays[f"{k}.needed"])
+        drawn = int(arrays[f"{k}.drawn"])
+        found = FoundAttractors(known, search_among(chosen, known, how), settled, drawn, True)
+        columns.append(Column(value, found, arrays[f"{k}.from_below"], arrays[f"{k}.from_above"]))
+    return columns
 
 
 def follow_numbers(columns: Sequence[Column]) -> list[Integers]:

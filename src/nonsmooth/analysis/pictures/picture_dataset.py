@@ -11,6 +11,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.basins.attractor import Attractor
 from nonsmooth.analysis.basins.attractor_dataset import share_error
 from nonsmooth.analysis.pictures.columns import Column
+from nonsmooth.analysis.statistics.escape import escape_rate_below
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -82,6 +83,7 @@ def _of_columns(
     settled = np.full((*shape, points, len(system.states)), np.nan)
     share, exponent = np.full(shape, np.nan), np.full(shape, np.nan)
     error, period = np.full(shape, np.nan), np.zeros(shape, np.int64)
+    chaotic_for = np.zeros(shape, np.int64)
     kind = np.full(shape, "", "<U14")
     rest = {name: np.zeros(len(columns)) for name in ("unsettled", "ended")}
     sizes = np.array([max(1, column.labels.size) for column in columns])
@@ -92,7 +94,7 @@ def _of_columns(
             settled[at][: len(last)] = last
             share[at] = np.mean(column.labels == i + 1)
             exponent[at], error[at] = one.exponent, one.exponent_error
-            period[at], kind[at] = one.period, one.kind
+            period[at], kind[at], chaotic_for[at] = one.period, one.kind, one.chaotic_for
         rest["unsettled"][k] = np.mean(column.labels == 0)
         rest["ended"][k] = np.mean(column.labels < 0)
     over = ("parameter", "attractor")
@@ -110,6 +112,11 @@ def _of_columns(
         ),
         "exponent": (over, exponent, {"long_name": "largest exponent per period, of no cycle"}),
         "exponent_error": (over, error, {"long_name": "standard error of the exponent"}),
+        "chaotic_for": (over, chaotic_for, {"long_name": "periods of chaos without an end"}),
+        "escape_rate_below": (
+            over, escape_rate_below(chaotic_for),
+            {"long_name": "bound of the rate per period at which it may end"},
+        ),
         "unsettled": ("parameter", rest["unsettled"], {"long_name": "share of unsettled starts"}),
         "ended": ("parameter", rest["ended"], {"long_name": "share of starts that ended early"}),
     }  # fmt: skip

@@ -73,6 +73,7 @@ class Verdict:
     error: float = np.nan
     k: float = np.nan
     residual: float = np.nan
+    chaotic_for: int = 0  # strobes for which chaos was seen, without an end
     uncertain: int = 0
     estimated: int = 0
     progresses: int = 0  # whether a state drifts from period to period

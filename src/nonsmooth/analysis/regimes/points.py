@@ -28,9 +28,9 @@ __all__ = ["Plane"]
 _TOGETHER = 16  # points in a task: some hundredths of a second
 _NUMBERS = (
     "transient_used", "length", "period", "events", "impacts", "exponent", "error", "k",
-    "residual", "uncertain", "estimated", "progresses",
+    "residual", "chaotic_for", "uncertain", "estimated", "progresses",
 )  # fmt: skip
-_WHOLE = ("transient_used", "period", "uncertain", "estimated", "progresses")
+_WHOLE = ("transient_used", "period", "chaotic_for", "uncertain", "estimated", "progresses")
 
 Places = npt.NDArray[np.int64]
 Done = tuple[list[Verdict], End | None]  # of some points, and where the last motion has ended

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.options import result_attributes
 from nonsmooth.analysis.regimes.labels import INTERRUPTED, LABELS, Verdict
+from nonsmooth.analysis.statistics.escape import escape_rate_below, said_of_chaos
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.system.system import System
 
@@ -52,6 +53,11 @@ def numbers_of(
         variables[name] = variable(values, text, **units)
     variables["transient_used"] = variable(
         [v.transient_used if v else 0 for v in verdicts], "strobes before what was looked at"
+    )
+    chaotic_for = [v.chaotic_for if v else 0 for v in verdicts]
+    variables["chaotic_for"] = variable(chaotic_for, "strobe intervals of chaos without an end")
+    variables["escape_rate_below"] = variable(
+        escape_rate_below(chaotic_for), "bound of the rate per interval at which chaos may end"
     )
     variables["n_uncertain"] = variable(
         [v.uncertain if v else 0 for v in verdicts], "events that rounding leaves open"
@@ -115,8 +121,11 @@ def map_dataset(
     }
     found, counts = np.unique(codes[computed.ravel() == 1], return_counts=True)
     told = [f"{count} {LABELS[code]}" for code, count in zip(found, counts, strict=True)]
+    horizons = [v.chaotic_for for v in flat if v and v.chaotic_for]
     n_missing = sum(v is None for v in flat)
     message = f"computed: {', '.join(told) or 'none'}"
+    if horizons:
+        message += f"; {said_of_chaos(min(horizons), 'period')}"
     if n_missing:
         done = f"{len(flat) - n_missing} of {len(flat)} points are done and kept"
         message = f"interrupted by the user; {done}; {message}"

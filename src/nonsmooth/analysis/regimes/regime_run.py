@@ -34,6 +34,7 @@ __all__ = ["first_windows", "settled_regimes"]
 
 _CLOSING = 0.5  # of the residual of a window is left in the next one while a motion settles
 _ROUNDING = 1e-9  # of a multiplier
+_MORE_LOOKS = 4  # at a motion that was chaotic and is neither that nor settled when it is run on
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # its multiples fall evenly into an interval, whatever the motion
 
 Bools = npt.NDArray[np.bool_]
@@ -50,9 +51,9 @@ def settled_regimes(protocol: RegimeProtocol, group: Group, recorded: Recorded) 
     """Regime of each motion of a group, whose first windows were recorded.
 
     The transient is doubled until one window of strobes gives the label that the window before has
-    given. Chaos may be one more transient, so chaotic motions are run on. What is next is done for
-    all motions together that need it. Where the work is stopped, verdicts that stand are handed
-    out.
+    given. Chaos may be one more transient, so chaotic motions are run on, and looked at again. What
+    is next is done for all motions together that need it. Where the work is stopped, verdicts that
+    stand are handed out.
     """
     motions = _Motions(protocol, group)
     going, chaotic = group.usable.copy(), np.zeros(group.count, bool)
@@ -93,6 +94,8 @@ class _Motions:
         self.sizes = np.abs(self.first_states)  # (M, n) of the states since the start
         self.natural = self.sizes.copy()  # (M, n): see `natural_sizes`
         self.reached = np.zeros(group.count, np.int64)  # strobes passed
+        # (M, 2): strobes at which the windows of evidence of the last look begin
+        self.evidence = np.zeros((group.count, 2), np.int64)
         self.verdicts = [Verdict(Status.REFUSED.word, "", 0, np.nan, nothing)] * group.count
         self._tangents = IntervalTangents(group)
 
@@ -132,25 +135,30 @@ class _Motions:
         self._not_repeating(windows, seen, same & (now == 0) & ~closing)
 
     def run_on(self, chosen: Bools) -> None:
-        """Verdicts on chaotic motions that are followed further: they may settle, or end."""
-        first = self.reached + self.protocol.confirm
-        windows, alive = self._windows(chosen, first, None)
-        if windows is None:
-            return
-        resting = self._resting(windows, alive)
-        both = self._returns(windows, alive, resting)
-        periods = both[0]
-        repeats = alive & (periods[:, 0] == periods[:, 1]) & (periods[:, 1] > 0)
-        for i in np.flatnonzero(alive & ~repeats).tolist():
-            chaotic = self.verdicts[i]
-            self.verdicts[i] = replace(
-                chaotic,
-                reason=f"{chaotic.reason}; it has not settled within {self.reached[i]} periods",
-            )
-        seen = self._seen(windows, alive, first, both)
-        self._repeating(windows, seen, repeats & ~resting)
-        for i in np.flatnonzero(resting).tolist():
-            self.verdicts[i] = self._at_rest(windows, i, seen[i])
+        """Verdicts on chaotic motions that are followed further: they may settle, or end.
+
+        One that is looked at on its way from the chaos to what it settles to is looked at again.
+        """
+        before, since = list(self.verdicts), self.evidence[:, 0].copy()
+        going, further = chosen.copy(), self.protocol.confirm
+        for _ in range(1 + _MORE_LOOKS):
+            self.look(going, self.reached + further, going, None)
+            for i in np.flatnonzero(going).tolist():
+                now = self.verdicts[i]
+                if now.label == labels.CHAOTIC:
+                    self.verdicts[i] = replace(
+                        before[i],
+                        chaotic_for=int(self.evidence[i, 1] - since[i]),
+                        last=now.last,
+                        uncertain=now.uncertain,
+                        estimated=now.estimated,
+                    )
+                elif not now.is_settled:
+                    self.verdicts[i] = now.unsettled(f"chaotic at first; later {now.reason}")
+                going[i] = not now.is_settled
+            further = max(self.protocol.transient, self.protocol.record)
+            if not np.any(going):
+                return
 
     def _windows(
         self, chosen: Bools, first: Integers, recorded: Recorded | None
@@ -367,6 +375,7 @@ class _Motions:
         looked = self._looks(times, turn, chosen) if self.autonomous else times
         states = group.run(looked.at(slice(1, None)), chosen=chosen, log=False).states
         going = self._still_going(chosen, self.reached)
+        self.evidence[going] = self.reached[going, None] + turn + np.array([0, count])
         self.reached[going] += turn + 2 * count
         for i in np.flatnonzero(going).tolist():
             neighbours = Neighbours(
@@ -391,7 +400,10 @@ class _Motions:
             growth, strobes, looks, length, tuple(self.system.states), self.drifting, self.sizes[i],
             self.autonomous, hides_phase(self.group.runner.tables(i), length),
         )  # fmt: skip
-        return by_growth(seen, evidence, self.protocol)
+        found = by_growth(seen, evidence, self.protocol)
+        if found.label != labels.CHAOTIC:
+            return found
+        return replace(found, chaotic_for=int(self.evidence[i, 1] - self.evidence[i, 0]))
 
     def _looks(self, times: Times, turn: int, chosen: Bools) -> Times:
         """Strobes, and behind the turn one more look within every interval, ever elsewhere in it.

@@ -7,9 +7,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["BlockAverages", "block_averages"]
+__all__ = ["BlockAverages", "block_averages", "means_differ"]
 
 _BLOCKS = 32  # of fewer the error itself is not known to an eighth
+_ERRORS = 5.0  # standard errors between two halves of a record
+_ALIKE = 4.0  # times that of the second half: an error of the first one, of one motion
 
 
 class BlockAverages(NamedTuple):
@@ -39,6 +41,19 @@ def block_averages(values: npt.NDArray[np.float64]) -> BlockAverages:
     # neighbours that balance each other only make the error too large
     independent = count >= _BLOCKS and bool(np.all(_neighbours(blocks) < 2.0 / np.sqrt(count)))
     return BlockAverages(error, length, count, independent)
+
+
+def means_differ(first: tuple[float, float], second: tuple[float, float], least: float) -> bool:
+    """Whether two halves of a record, each a mean with its error, differ: it had not settled.
+
+    Where chaos ends in the first half its error is large, which must not hide a calm second one.
+    ``least``: a smaller difference is none.
+    """
+    (mean, error), (later, other) = first, second
+    if mean == later == -np.inf:
+        return False
+    spread = float(np.hypot(min(error, _ALIKE * other), other))
+    return abs(mean - later) > max(_ERRORS * spread, least)
 
 
 def _neighbours(blocks: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.models.rigs.data import check_contents, finite_values
-from nonsmooth.models.rigs.units import DERIVATIVES, OF_STATES, Unit, Units, unit_of
+from nonsmooth.models.rigs.units import DERIVATIVES, OF_STATES, Unit, Units, table_of, unit_of
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import evaluate
 from nonsmooth.system.text.expressions import names_in
@@ -53,8 +53,8 @@ def in_si(data: xr.Dataset, units: Units) -> xr.Dataset:
         check_contents("data", data, ("state",))
     result = data.copy()
     for name in map(str, data.variables):
-        if name in OF_STATES or name in DERIVATIVES:
-            result[name] = _over_states(data, name, units)
+        if table := table_of(data, name):
+            result[name] = _over_states(data, name, units, table)
         elif (found := unit_of(data, name, units)) is not None:
             result = _scaled(result, name, *found)
     if "state" in data.coords and data["state"].ndim == 1:
@@ -75,26 +75,24 @@ def _scaled(data: xr.Dataset, name: str, unit: Unit, label: str | None) -> xr.Da
     )
 
 
-def _over_states(data: xr.Dataset, name: str, units: Units) -> xr.DataArray:
-    """States in their units, or derivatives in theirs over those of what they are by."""
-    factors = data["state"].copy(data=_factors(units.states(np.atleast_1d(data["state"])), data))
-    scaled = data[name] * factors.drop_vars("state")
+def _over_states(data: xr.Dataset, name: str, units: Units, table: str) -> xr.DataArray:
+    """States in their units, or derivatives in theirs over those of what they are by.
+
+    ``table``: the coordinate of the states
+    """
+    found = [unit.factor for unit in units.states(np.atleast_1d(data[table]))]
+    factors = data[table].copy(data=np.reshape(found, data[table].shape))
+    scaled = data[name] * factors.drop_vars(table)
     text = units.states_text
     if name in DERIVATIVES:
         by = DERIVATIVES[name]
         names = [str(each) for each in np.atleast_1d(data[by])]
-        found = (
-            units.states(names) if by == "state_0" else [units.parameters[each] for each in names]
-        )
-        below = data[by].copy(data=np.reshape([unit.factor for unit in found], data[by].shape))
+        of = units.states(names) if by == "state_0" else [units.parameters[each] for each in names]
+        below = data[by].copy(data=np.reshape([unit.factor for unit in of], data[by].shape))
         scaled = scaled / below.drop_vars(by)
         text = f"unit of the state over that of {by}"
     scaled.attrs = dict(data[name].attrs) | {"units": text}
     return scaled.transpose(*data[name].dims)
-
-
-def _factors(found: list[Unit], data: xr.Dataset) -> np.ndarray[Any, Any]:
-    return np.reshape([unit.factor for unit in found], data["state"].shape)
 
 
 def _state_words(data: xr.Dataset, units: Units) -> dict[str, Any]:

@@ -22,6 +22,7 @@ __all__ = [
     "Units",
     "one_mass_units",
     "rotor_units",
+    "table_of",
     "two_mass_units",
     "unit_of",
 ]
@@ -40,8 +41,11 @@ _STATISTICS = (
 OF_STATES = (
     "state_before", "state_after", "points", "initial_state", "end_state", "start_state",
     "image_state", "fixed_state", "leg_states", "settled", "strobes", "saddle",
-    "saddle_direction",
+    "saddle_direction", "track", "nearest",
 )  # fmt: skip
+# likewise where they have states as a coordinate; elsewhere these names mean other things
+_OF_STATES_TOO = ("start", "mean", "deviation")
+_OF_REGION = ("factor_centre",)  # over ``state_of_region``
 # of a return map, in the unit of its coordinate
 _OF_COORDINATE = (
     "start", "image", "deviation", "border_start", "image_before", "image_after", "fixed_start",
@@ -59,7 +63,11 @@ _NUMBERS = {
     "box_dimension", "correlation_dimension", "correlation_sum", "fit", "distance",
     "standard_error", "drift", "net_drift", "slope", "fixed_slope", "spread", "largest_spread",
     "exponent_per_return", "log_determinant", "arclength", "unsettled", "ended",
-    "border_gap", "first_length", "first_deviation",
+    "border_gap", "first_length", "first_deviation", "chaotic_for", "escape_rate_below",
+    "width", "crossing", "sense", "place",
+    # distances in a space of states, each in its own size, stay those of the model
+    "local_integrity", "local_error", "global_integrity", "global_error", "integrity_factor",
+    "factor_error", "position_error",
     # of normal forms: their vectors mix all states, so the numbers stay those of the model
     "coefficient", "coefficient_error", "parameter_coefficient", "parameter_coefficient_error",
     "amplitude_factor", "amplitude_power", "reach",
@@ -156,6 +164,15 @@ class Units:
         return [self.of(str(name)) or Unit() for name in names]
 
 
+def table_of(data: xr.Dataset, name: str) -> str:
+    """Coordinate of states over which a variable has a column for each, "" for none."""
+    if name in _OF_REGION:
+        return "state_of_region"
+    if name in OF_STATES or name in DERIVATIVES:
+        return "state"
+    return "state" if name in _OF_STATES_TOO and "state" in data[name].coords else ""
+
+
 def unit_of(data: xr.Dataset, name: str, units: Units) -> tuple[Unit, str | None] | None:
     """Unit of a variable, and its label where that becomes another one; none to leave it as it is.
 
@@ -199,7 +216,10 @@ def _special(data: xr.Dataset, name: str, units: Units) -> Unit | None:
     """Units of names that mean different things in different results."""
     of = units.of(str(data.attrs.get("variable", "")))
     if name in ("exponent", "exponent_error"):
-        return Unit() if "attractor" in data[name].dims else Unit(1.0 / units.time, "1/s")
+        per_iterate = {"attractor", "exponent_number"} & set(data[name].dims)
+        return Unit() if per_iterate else Unit(1.0 / units.time, "1/s")
+    if name == "value_error":  # of the parameter that was varied
+        return units.parameters.get(str(data.attrs.get("parameter", "")))
     if name == "standard_error" and "lyapunov_exponent" in data:
         return units.of("lyapunov_exponent")
     if name == "period":

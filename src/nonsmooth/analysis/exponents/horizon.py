@@ -1,0 +1,150 @@
+"""Whether exponents are those of a transient, and for how long chaos was seen.
+
+Two halves of the record are compared. A chaotic motion is run on without derivatives, and its
+largest exponent is taken once more at the end: a motion that has escaped by then, to whatever it
+escapes, no longer has the exponent of the chaos.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from nonsmooth.analysis.exponents.exponent_run import (
+    LEAST_GROWTH,
+    ExponentProtocol,
+    ExponentRun,
+    duration_of,
+    is_chaotic,
+    largest_exponent,
+    rates_of,
+)
+from nonsmooth.analysis.settle import Group, ParameterSets, settle
+from nonsmooth.analysis.statistics.block_averages import means_differ
+from nonsmooth.analysis.statistics.periodicity import settled_periods
+from nonsmooth.engine.lanes import SAME
+from nonsmooth.engine.status import Status
+from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.start import Start
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.sweep_runner import Recorded, SweepRunner
+from nonsmooth.system.columns import with_error
+from nonsmooth.system.system import System
+
+__all__ = ["Horizon", "find_horizon"]
+
+_TRANSIENT = "these are exponents of a transient"
+_RECORD, _MATCH = 100, 1e-6  # strobes at the end of the later motion, and how they repeat
+_TURNING = 0.25  # of the later record, before it: derivatives find their directions
+
+RunFrom = Callable[[Start, ExponentProtocol], ExponentRun]
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """Why a motion had not settled, "" where nothing says so, and windows of chaos without end."""
+
+    unsettled: str = ""
+    chaotic_for: float = 0.0
+
+
+@dataclass(frozen=True)
+class _Later:
+    """A motion that was run on: why it is no longer what it was, or where it goes on."""
+
+    said: str = ""
+    start: Start | None = None
+
+
+def find_horizon(
+    system: System,
+    run: ExponentRun,
+    protocol: ExponentProtocol,
+    run_from: RunFrom,
+    *,
+    length: float | None,
+    window: float,
+    tolerance: float,
+    confirm: int,
+) -> Horizon:
+    """What a completed run tells of the motion, and what becomes of it after so many strobes.
+
+    ``length`` between strobes, None for that of a ``window``. No escape lies before the second half
+    of a record both halves of which are chaotic, nor before a later record that is.
+    """
+    if run.status != Status.COMPLETED:
+        return Horizon()
+    differ = _halves_differ(run)
+    if not is_chaotic(run):
+        return Horizon(differ)
+    half = 0.5 * protocol.record
+    if not confirm:
+        return Horizon(differ, 0.0 if differ else half)
+    later = _run_on(system, run, length, tolerance, confirm)
+    if later.said or differ or later.start is None:
+        return Horizon(later.said or differ, 0.0 if later.said or differ else half)
+    parts = max(2, protocol.parts // 2)
+    again = ExponentProtocol(_TURNING * half, half, half / parts, parts)
+    after = run_from(later.start, again)
+    if after.status != Status.COMPLETED:
+        return Horizon(chaotic_for=half)
+    if is_chaotic(after):
+        strobes = (confirm + 2 * _RECORD) * (length or window) / window
+        return Horizon(chaotic_for=protocol.record + strobes + again.transient)
+    rate, error = largest_exponent(rates_of(after))
+    before = largest_exponent(rates_of(run))
+    if means_differ(before, (rate, error), 2.0 * LEAST_GROWTH / duration_of(after)):
+        return Horizon(
+            f"{confirm} strobes later the largest exponent is {with_error(rate, error, 3, 2)}:"
+            f" {_TRANSIENT}; raise transient="
+        )
+    return Horizon(chaotic_for=half)
+
+
+def _halves_differ(run: ExponentRun) -> str:
+    """What the largest exponent is in each half of the record, "" where both agree."""
+    parts = np.array_split(rates_of(run), 2)
+    if min(len(part) for part in parts) < 2:
+        return ""
+    first, second = map(largest_exponent, parts)
+    if not means_differ(first, second, 2.0 * LEAST_GROWTH / duration_of(run)):
+        return ""
+    return (
+        f"the motion had not settled: its largest exponent is {first[0]:.3g} in the first half of"
+        f" the record and {second[0]:.3g} in the second; raise transient="
+    )
+
+
+def _run_on(
+    system: System, run: ExponentRun, length: float | None, tolerance: float, confirm: int
+) -> _Later:
+    """What becomes of a motion after so many more strobes, without derivatives."""
+    start = Start(run.end_state, run.end, (SAME - run.end_mode,))
+    (later,), _ = settle(
+        SweepRunner(system, tolerance),
+        threading.Event(),
+        sets=ParameterSets(StroboscopicMap(system, period=length), {}, start, None),
+        times=lambda group: group.strobes(confirm, 2 * _RECORD + 1),
+        reduce=partial(_later, confirm),
+        log=False,
+    )
+    return later
+
+
+def _later(confirm: int, group: Group, recorded: Recorded) -> list[_Later]:
+    """What a motion has become after so many strobes."""
+    status, states, drifting = Status(int(recorded.statuses[0])), recorded.states[0], group.drifting
+    if group.is_misfit[0]:
+        return [_Later()]  # rounding has taken the state at the end out of its mode
+    if status != Status.COMPLETED:
+        return [_Later(f"the motion ends later ({status.word}): {_TRANSIENT}")]
+    period = int(settled_periods(states[None], drifting, _MATCH)[0])
+    if period:
+        said = f"{confirm} strobes later the motion repeats with period {period}: {_TRANSIENT}"
+        return [_Later(f"{said}; raise transient=")]
+    instant = Instant(int(recorded.numbers[0, -1]), float(recorded.phases[0, -1]))
+    return [_Later(start=Start(states[-1], instant, (SAME - int(recorded.modes[0, -1]),)))]
