@@ -28,7 +28,8 @@ LONG = {
     "rotor.md", "smoothing.md", "two-parameters.md",
     "case-studies/cracked-beam.md", "case-studies/fatigue-rig.md", "case-studies/mole.md",
 }  # fmt: skip
-DRAWN = {"tutorials", "case-studies", "explanation", "figures.md", "structures.md"}
+DRAWN = {"tutorials", "case-studies", "explanation", "figures.md", "structures.md",
+         "machines-with-contacts.md"}  # fmt: skip
 
 
 def is_long(page: Path) -> bool:
