@@ -34,6 +34,7 @@ sys.exit(
                 "bench_basins.py",
                 "bench_rotor.py",
                 "bench_growth.py",
+                "bench_structures.py",
                 "bench_continuation.py",
                 "bench_orbits.py",
                 "bench_rest.py",

@@ -177,6 +177,7 @@ def test_the_slow_way_to_a_fixed_point_is_no_attractor(rate: float, turn: float)
         assert "record=" in found.attrs["message"]
 
 
+@pytest.mark.slow
 def test_a_torus_is_not_chaotic() -> None:
     """Two limit cycles beside each other, on the section of one."""
     torus = ns.System(

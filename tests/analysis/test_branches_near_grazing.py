@@ -189,7 +189,7 @@ def test_changes_on_both_sides_of_a_symmetric_orbit_at_once_are_passed():
     assert places[0.9913] == "fold"
 
 
-@pytest.mark.parametrize("hold", [None, 1])
+@pytest.mark.parametrize("hold", [pytest.param(None, marks=pytest.mark.slow), 1])
 def test_changes_of_sliding_do_not_depend_on_the_start(hold):
     found = []
     for w in (0.7, 1.3, 2.0):
@@ -218,7 +218,11 @@ def random_oscillator(seed):
 RANGES = [(0.6, 2.2), (0.02, 0.2), (0.2, 0.8), (0.1, 0.8), (0.05, 0.25)]
 
 
-@pytest.mark.parametrize("seed", range(30))
+LONGEST = {2, 15}  # of the seeds
+SEEDS = [pytest.param(k, marks=[pytest.mark.slow] * (k in LONGEST)) for k in range(30)]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_every_point_of_a_branch_is_a_motion(seed):
     """None is inadmissible, none is passed twice, and none changes its stability for no reason."""
     system = random_oscillator(seed)

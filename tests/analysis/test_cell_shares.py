@@ -126,6 +126,7 @@ def test_cells_wider_than_what_an_iterate_contracts() -> None:
     assert shared.attrs["changed_by_doubling"] <= 1e-3
 
 
+@pytest.mark.slow
 def test_attractors_with_small_basins_and_little_damping() -> None:
     side = np.linspace(-1.0, 1.0, 24)
     region = {"x": side, "v": np.linspace(-1.0, 1.0, 25)}

@@ -48,7 +48,7 @@ def corners_of(curves, number):
 
 @pytest.mark.parametrize(
     ("which", "length"),
-    [("unstable", 12.0), ("stable", 4.0), pytest.param("stable", 12.0, marks=pytest.mark.slow)],
+    [("unstable", 12.0), ("stable", 2.0), pytest.param("stable", 12.0, marks=pytest.mark.slow)],
 )
 def test_broken_lines(lozi_orbit, which, length):
     """Points lie on the closed form, and its vertices are the corners that are told.
@@ -110,6 +110,7 @@ def test_a_map_that_jumps():
     assert steps[at] == 0.0 and np.all(steps >= 0.0)
 
 
+@pytest.mark.slow
 def test_each_point_of_an_orbit_of_period_two_has_its_curves():
     """The map takes the curves of one point to those of the next."""
     a, b = 1.2, 0.1
@@ -218,6 +219,7 @@ def test_corners_at_a_graze(struck):
     assert back.max() == pytest.approx(WALL["sigma"], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_stable_manifold_is_the_boundary_of_basins(struck):
     """Starts 1e-10 to both sides of it settle to different motions.
 
@@ -248,6 +250,7 @@ def test_the_stable_manifold_is_the_boundary_of_basins(struck):
     assert np.all(labels[0] != labels[1])
 
 
+@pytest.mark.slow
 def test_the_stable_manifold_goes_on_behind_the_wall(struck):
     """At the wall the two points of the jump are a start that hits it, and its rebound."""
     system, orbit = struck

@@ -114,6 +114,7 @@ def test_unstable_points_are_images_of_the_first_piece(saddle):
     assert checked >= 5
 
 
+@pytest.mark.slow
 def test_stable_points_come_to_the_saddle(saddle):
     """After their ``image`` periods, by scipy, they lie on the eigenvector's line at the saddle.
 

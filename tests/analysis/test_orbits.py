@@ -124,6 +124,7 @@ def test_every_orbit_of_a_driven_tent():
         assert abs(orbit["multipliers"].values[0] / np.prod(slopes) - 1) < 1e-12
 
 
+@pytest.mark.slow
 def test_every_orbit_of_a_ticking_tent():
     """Where nothing drives a system, periods are returns to the event that is passed most often."""
     found = ns.orbits(ticking_tent(), UNIT | {"s": (0, 1)}, longest=2, guesses=400)
@@ -137,7 +138,9 @@ def test_every_orbit_of_a_ticking_tent():
         assert one["period"].item() == most_returns(word)
 
 
-@pytest.mark.parametrize(("b", "counts"), [(0.19, [3, 3, 6]), (0.095, [1, 1, 0])])
+@pytest.mark.parametrize(
+    ("b", "counts"), [pytest.param(0.19, [3, 3, 6], marks=pytest.mark.slow), (0.095, [1, 1, 0])]
+)
 def test_orbits_of_the_mole(b, counts):
     """All of period one lie on the branch; no orbit goes through the slider."""
     mole = ns.models.moling(a=0.3, b=0.15, xi=0.05, omega=0.1)

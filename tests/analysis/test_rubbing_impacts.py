@@ -57,6 +57,7 @@ def special(branch: xr.Dataset, kind: str, number: int = 0) -> tuple[float, str]
     return float(row["special_value"]), row["special_detail"].item()
 
 
+@pytest.mark.slow
 def test_a_leg_that_leaves_a_surface_and_comes_back_vanishes_and_the_branch_goes_on():
     branch = ns.continue_orbit(DAMPER, "f", (5.195, 5.2095), direction="up")
     assert branch.attrs["end_last"] == "bound"

@@ -131,6 +131,7 @@ def test_multipliers_of_an_orbit_that_sticks():
     assert float(orbit["log_determinant"]) == -np.inf
 
 
+@pytest.mark.slow
 def test_curves_of_special_points(fast):
     """Over a second parameter: each end of the curve solves the equations of its kind there."""
     for number, kind in enumerate(("crossing_sliding", "switching_sliding", "grazing_sliding"), 1):

@@ -72,6 +72,7 @@ def test_torus_curve_of_henons_map(over_b):
     }
 
 
+@pytest.mark.slow
 def test_fold_and_flip_curves_meet_the_torus_curve():
     """Folds at a = -(1 - b)**2/4, flips at a = 3 (1 - b)**2/4."""
     b = -0.8
@@ -287,6 +288,7 @@ def test_a_torus_curve_ends_where_its_pair_becomes_real(drill):
     assert one == pytest.approx(other, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_an_event_passes_the_section_along_a_curve(drill):
     """All orbits are motions, and come back to where they began by simulation too."""
     curve = ns.continue_special(drill, number_of(drill, "torus"), "r", (0.7, 0.95))

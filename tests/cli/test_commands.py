@@ -22,7 +22,7 @@ FEW = {
     "regime": ["--transient", "50", "--evidence", "50", "--longest", "50"],
     "regimes": ["--transient", "50", "--evidence", "50", "--longest", "50"],
     "manifold": ["--length", "1"],
-    "homoclinic": ["--length", "1"],
+    "homoclinic": ["--length", "0.5"],
     "continue": ["--steps", "10"],
     "ensemble": ["--record", "5"],
     "attractors": ["--starts", "4", "--record", "500"],

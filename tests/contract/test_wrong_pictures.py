@@ -117,6 +117,11 @@ MAKE = {
     },
     "frequency_response": lambda: {"data": of_structures("frequency_response")},
     "mode_shapes": lambda: {"data": of_structures("natural_modes")},
+    "reduction": lambda: {
+        "data": ns.structures.reduce(
+            structures()["reduce"]["structure"], ["1x"], frequency_range=(0.0, 100.0)
+        ).estimate
+    },
     "root_locus": lambda: {"data": of_structures("root_locus")},
     "unbalance_response": lambda: {"data": of_structures("unbalance_response")},
     "smoothing": lambda: {

@@ -175,6 +175,7 @@ def test_a_slider_keeps_a_typed_value_as_its_end_while_it_is_moved(screen, wall)
     assert screen.field("value of zeta") == 0.3
 
 
+@pytest.mark.slow
 def test_a_start_is_typed_as_an_expression_or_refused_with_the_reason(screen, wall):
     screen.open(wall)
     x = screen.page.locator("#start input").nth(0)
@@ -226,6 +227,7 @@ def test_a_click_in_the_basin_or_the_portrait_starts_there(screen, wall):
         screen.settle()
 
 
+@pytest.mark.slow
 def test_a_double_click_shows_all_of_a_motion_again(screen, wall):
     screen.open(wall)
     link = screen.link

@@ -52,7 +52,9 @@ def ran(tmp_path, monkeypatch):
 
 
 @pytest.mark.filterwarnings("ignore:settled|the motion|of .* motions")
-@pytest.mark.parametrize("name", VIEWS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "orbit")) for n in VIEWS]
+)
 def test_the_script_gives_the_digits_of_the_page(ran, tmp_path, name):
     view = VIEWS[name]
     names = ran(view)

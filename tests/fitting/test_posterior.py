@@ -38,6 +38,7 @@ def independent(drawn, name):
     return drawn["posterior_value"].sel(parameter=name).values[:, ::apart].ravel()
 
 
+@pytest.mark.slow
 def test_a_straight_line_has_the_posterior_of_regression():
     """With flat priors of the line and of the logarithm of the noise these are t and chi square."""
     record, found = fit_of_line()

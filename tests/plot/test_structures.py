@@ -111,3 +111,21 @@ def test_a_root_locus_shows_every_path_and_the_border(rotor):
     assert has_point(segments[:, 0], values[2, 1].real, values[2, 1].imag)
     low, high = ax.get_xlim()
     assert low < 0.0 < high
+
+
+@pytest.mark.parametrize("speeds", [0.0, [0.0, 200.0]])
+def test_a_reduced_model_is_drawn_beside_the_full_one(rotor, speeds):
+    small = ns.structures.reduce(rotor, ["2x", "2y"], frequency_range=(0.0, 3000.0), speeds=speeds)
+    estimate = small.estimate
+    ax = ns.plot.reduction(estimate, coordinate="2y")
+    lines = [line.get_ydata() for line in ax.lines]
+    assert len(lines) == 2 * estimate.sizes["speed"]
+    for i in range(estimate.sizes["speed"]):
+        for name, line in zip(("full", "reduced"), lines[2 * i : 2 * i + 2], strict=True):
+            assert np.array_equal(line, estimate[name].sel(coordinate="2y")[i])
+    ax = ns.plot.reduction(estimate, show="error")
+    assert np.array_equal(ax.lines[-1].get_ydata(), estimate["error"][-1])
+    with pytest.raises(ns.OptionError, match="'5x' is not in the estimate: 2x, 2y"):
+        ns.plot.reduction(estimate, coordinate="5x")
+    with pytest.raises(ns.OptionError, match="it has no 'full'"):
+        ns.plot.reduction(estimate.drop_vars("full"))

@@ -44,6 +44,7 @@ from nonsmooth.plot.pictures import bifurcation_picture
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.portrait_stack import phase_portrait_3d
 from nonsmooth.plot.record_quality import quality
+from nonsmooth.plot.reduced_models import reduction
 from nonsmooth.plot.regimes import regime_map
 from nonsmooth.plot.return_maps import cobweb, return_map
 from nonsmooth.plot.ring_regions import contact_regions
@@ -99,6 +100,7 @@ __all__ = [
     "print_figure",
     "profiles",
     "quality",
+    "reduction",
     "regime_map",
     "return_map",
     "roc",

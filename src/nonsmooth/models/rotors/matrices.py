@@ -15,7 +15,7 @@ from nonsmooth.matrix_files import read_matrix
 from nonsmooth.models.rotors.texts import first_guess, rotor_words
 from nonsmooth.system.parts import Exit, Mode
 
-__all__ = ["matrix_rotor_words", "square_matrix"]
+__all__ = ["matrix_rotor_words", "ring_words", "square_matrix"]
 
 
 _SHARED = ("reach", "springs", "preload", "pull")
@@ -52,6 +52,7 @@ def matrix_rotor_words(
     base = rotor_words({})
     flow = _flow(matrices, ring, unbalance, load)
     i, j = ring
+    words = ring_words(f"q{i} + eps_x", f"q{j} + eps_y")
     labels = {name: text for name, text in base["describe"].items() if name not in _OTHER_NAMES}
     for k in range(n):
         labels |= {f"q{k}": f"displacement {k}", f"v{k}": f"velocity {k}"}
@@ -60,9 +61,28 @@ def matrix_rotor_words(
         "period": "2*pi/Omega",
         "require": _REQUIRE,
         "describe": labels | _LABELS,
+        "definitions": words["definitions"],
+        "outputs": {"vx": f"v{i}", "vy": f"v{j}", **words["outputs"]},
+        "modes": {
+            name: Mode(
+                flow | dict(mode.flow), mode.exits, mode.slaved, mode.definitions, mode.cells
+            )
+            for name, mode in words["modes"].items()
+        },
+    }
+
+
+def ring_words(x: str, y: str) -> dict[str, Any]:
+    """Definitions, outputs and modes of a ring for a rotor at x, y from the centre of the ring.
+
+    Stiffness ``k_s``, damping ``c_s``, clearance ``gamma``, preloads ``delta_x delta_y``; the
+    force on the ring is ``Fx Fy``.
+    """
+    base = rotor_words({})
+    return {
         "definitions": {
-            "nx": f"q{i} + eps_x - sx",
-            "ny": f"q{j} + eps_y - sy",
+            "nx": "x - sx",
+            "ny": "y - sy",
             **{n: t for n, t in base["definitions"].items() if n.startswith(_SHARED)},
             "Fx": "k_s*pull_x + c_s*springs_x*rate(sx)",
             "Fy": "k_s*pull_y + c_s*springs_y*rate(sy)",
@@ -70,18 +90,16 @@ def matrix_rotor_words(
             "stored": str(base["definitions"]["stored"]).replace("0.5*K*", "0.5*k_s*"),
         },
         "outputs": {
-            "x": f"q{i} + eps_x",
-            "y": f"q{j} + eps_y",
-            "vx": f"v{i}",
-            "vy": f"v{j}",
+            "x": x,
+            "y": y,
             **base["outputs"],
             "gap": "gamma - sqrt(nx**2 + ny**2)",
         },
-        "modes": _modes(flow, base["modes"]["contact"].cells),
+        "modes": _ring_modes(base["modes"]["contact"].cells),
     }
 
 
-def _modes(flow: dict[str, str], cells: dict[str, str]) -> dict[str, Mode]:
+def _ring_modes(cells: dict[str, str]) -> dict[str, Mode]:
     contact = Exit(
         "gamma**2 - nx**2 - ny**2",
         to="contact",
@@ -90,8 +108,7 @@ def _modes(flow: dict[str, str], cells: dict[str, str]) -> dict[str, Mode]:
     )
     return {
         "free": Mode(
-            flow
-            | {
+            {
                 "sx": "-k_s/c_s*(sx + preload_x)",
                 "sy": "-k_s/c_s*(sy + preload_y)",
             },
@@ -101,7 +118,7 @@ def _modes(flow: dict[str, str], cells: dict[str, str]) -> dict[str, Mode]:
             cells=dict.fromkeys(cells, "free"),
         ),
         "contact": Mode(
-            flow,
+            {},
             slaved={
                 "sx": "pull_x = mu*nx",
                 "sy": "pull_y = mu*ny",

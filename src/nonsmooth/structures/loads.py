@@ -1,0 +1,215 @@
+r"""Loads of a machine: unbalance, weight, motion of the base, and forces of any text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import ModelError
+from nonsmooth.real_numbers import shown
+from nonsmooth.structures.contributions import Attachment, Contribution, check_name, check_text
+from nonsmooth.structures.coordinates import in_direction
+from nonsmooth.system.parts import Text
+
+__all__ = ["BaseMotion", "Force", "Unbalance", "Weight"]
+
+
+@dataclass(frozen=True)
+class Force:
+    """A force at one coordinate: a number, or a text of time, parameters, signals and states.
+
+    Parameters
+    ----------
+    coordinate : str
+        Any coordinate of the structure; it need not be kept.
+    force : float or str
+        The force, such as ``"F*cos(omega*t)"`` or the name of a measured signal.
+    name : str, optional
+        What parameters and outputs begin with; ``force1``, ``force2``, ... by default.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> mass = ns.Structure([[2.0]], [[8.0]], coordinates=["x"])
+    >>> machine = ns.structures.machine(mass, loads=[ns.structures.Force("x", 4.0)])
+    >>> run = ns.simulate(machine, {"x": 0.5}, t_end=5)  # the equilibrium
+    >>> float(run["x"].max())
+    0.5
+    """
+
+    coordinate: str | int
+    force: Text
+    name: str = field(default="", kw_only=True)
+    kind: ClassVar[str] = "force"
+
+    def __post_init__(self) -> None:
+        check_name("Force", self.name)
+        check_text("Force", force=self.force)
+
+    def _contribution(self, name: str, place: Attachment) -> Contribution:
+        """What the force adds to the equations of a machine."""
+        made = Contribution()
+        made.value(name, self.force, f"force at {self.coordinate}")
+        made.loads.append((name, place.at({self.coordinate: 1.0})))
+        return made
+
+
+@dataclass(frozen=True)
+class Unbalance:
+    r"""An unbalance that turns with the shaft at its speed Omega, from x to y.
+
+    The force is :math:`u \Omega^2 (\cos(\Omega t + \varphi), \sin(\Omega t + \varphi))`. The period
+    of the machine is one revolution.
+
+    Parameters
+    ----------
+    x, y : str
+        Coordinates on which it acts; they need not be kept.
+    moment : float or str
+        Mass times eccentricity.
+    phase : float or str, optional
+        Its angle at time zero, in rad.
+    name : str, optional
+        What parameters begin with; ``unbalance1``, ... by default.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> rotor = ns.Structure(np.eye(2), np.eye(2), coordinates=["1x", "1y"])
+    >>> load = ns.structures.Unbalance("1x", "1y", moment=0.1)
+    >>> machine = ns.structures.machine(rotor, loads=[load], Omega=0.6)
+    >>> orbit = ns.find_orbit(machine, {"x1": 0.03})
+    >>> float(orbit["x1"].round(12))  # u Omega^2/(1 - Omega^2)
+    0.05625
+    """
+
+    x: str | int
+    y: str | int
+    moment: Text
+    phase: Text = 0.0
+    name: str = field(default="", kw_only=True)
+    kind: ClassVar[str] = "unbalance"
+
+    def __post_init__(self) -> None:
+        check_name("Unbalance", self.name)
+        check_text("Unbalance", moment=self.moment, phase=self.phase)
+
+    def _contribution(self, name: str, place: Attachment) -> Contribution:
+        """What the unbalance adds to the equations of a machine."""
+        made = Contribution(turns=True, driven=True)
+        moment = made.value(f"{name}_moment", self.moment, f"mass times eccentricity of {name}")
+        phase = made.value(f"{name}_phase", self.phase, f"angle of {name} [rad]")
+        for wave, coordinate, axis in (("cos", self.x, "x"), ("sin", self.y, "y")):
+            force = f"{name}_{axis}"
+            made.definitions[force] = f"{moment}*Omega**2*{wave}(Omega*t + {phase})"
+            made.loads.append((force, place.at({coordinate: 1.0})))
+        return made
+
+
+@dataclass(frozen=True)
+class Weight:
+    """The weight of the whole structure, by its mass matrix.
+
+    Parameters
+    ----------
+    direction : {"x", "y", "z"} or mapping of str to float
+        Direction along which the acceleration acts, from the names of the coordinates; or the
+        displacement of each coordinate in a unit displacement of the whole structure.
+    acceleration : float or str, optional
+        The acceleration, -9.81 by default, which is downward in m/s^2.
+    name : str, optional
+        What the parameter is called; ``weight1`` by default.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> rotor = ns.Structure(np.eye(2), 981 * np.eye(2), coordinates=["1x", "1y"])
+    >>> machine = ns.structures.machine(rotor, loads=[ns.structures.Weight("y")])
+    >>> run = ns.simulate(machine, {"y1": -0.01}, t_end=1)
+    >>> round(float(run["y1"].max()), 12)
+    -0.01
+    """
+
+    direction: Any
+    acceleration: Text = -9.81
+    name: str = field(default="", kw_only=True)
+    kind: ClassVar[str] = "weight"
+
+    def __post_init__(self) -> None:
+        check_name("Weight", self.name)
+        check_text("Weight", acceleration=self.acceleration)
+
+    def _contribution(self, name: str, place: Attachment) -> Contribution:
+        """What the weight adds to the equations of a machine."""
+        made = Contribution()
+        made.value(name, self.acceleration, "acceleration of the weight")
+        made.loads.append((name, _inertia_forces(name, self.direction, place)))
+        return made
+
+
+@dataclass(frozen=True)
+class BaseMotion:
+    """Motion of the base along one direction, by its acceleration.
+
+    Displacements are then relative to the base, on which all contacts are fixed.
+
+    Parameters
+    ----------
+    direction : {"x", "y", "z"} or mapping of str to float
+        As in `Weight`.
+    acceleration : float or str
+        Acceleration of the base: a text of time, or the name of a measured signal.
+    name : str, optional
+        What the definition is called; ``base1`` by default.
+
+    Examples
+    --------
+    A base that moves as sin(2 t):
+
+    >>> import nonsmooth as ns
+    >>> mass = ns.Structure([[1.0]], [[1.0]], coordinates=["1x"])
+    >>> shaking = ns.structures.BaseMotion("x", "-4*sin(2*t)")
+    >>> machine = ns.structures.machine(mass, loads=[shaking], period="pi")
+    >>> orbit = ns.find_orbit(machine)
+    >>> float(orbit["vx1"].round(12))  # x = -4/3 sin(2 t)
+    -2.666666666667
+    """
+
+    direction: Any
+    acceleration: Text
+    name: str = field(default="", kw_only=True)
+    kind: ClassVar[str] = "base"
+
+    def __post_init__(self) -> None:
+        check_name("BaseMotion", self.name)
+        check_text("BaseMotion", acceleration=self.acceleration)
+
+    def _contribution(self, name: str, place: Attachment) -> Contribution:
+        """What the motion of the base adds to the equations of a machine."""
+        made = Contribution()
+        made.value(name, self.acceleration, "acceleration of the base")
+        made.loads.append((name, -_inertia_forces(name, self.direction, place)))
+        return made
+
+
+def _inertia_forces(name: str, direction: Any, place: Attachment) -> npt.NDArray[np.float64]:
+    """Generalized forces of a unit acceleration of all masses along a direction."""
+    structure = place.structure
+    along = np.zeros(structure.size)
+    if isinstance(direction, Mapping):
+        for coordinate, factor in direction.items():
+            along[structure.index(coordinate)] = factor
+    else:
+        along[in_direction(direction, structure.coordinates)] = 1.0
+    if not along.any():
+        raise ModelError(
+            f"{name}: direction = {shown(direction)}: no coordinate's name ends so; give a mapping"
+            " of coordinates to their displacement as the whole structure moves by one"
+        )
+    return place.shares(structure.mass @ along)

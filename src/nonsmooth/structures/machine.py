@@ -1,0 +1,371 @@
+"""`machine`: a structure with contacts and loads as a system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import product
+from typing import Any
+
+from nonsmooth.arguments import checked
+from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.real_numbers import finite_numbers, shown
+from nonsmooth.structures.contacts import DryFriction, GapSpring, Stop
+from nonsmooth.structures.contributions import Attachment, Contribution, RingModes
+from nonsmooth.structures.coordinates import is_rotation, place_of
+from nonsmooth.structures.generalized_form import generalized_form
+from nonsmooth.structures.linear_texts import (
+    LinearPart,
+    bearing_part,
+    joined,
+    linear_part,
+    weighted_sum,
+)
+from nonsmooth.structures.loads import BaseMotion, Force, Unbalance, Weight
+from nonsmooth.structures.reduced_structure import ReducedStructure
+from nonsmooth.structures.reduction import reduce
+from nonsmooth.structures.rings import RubRing, SnubberRing
+from nonsmooth.structures.state_names import state_name
+from nonsmooth.structures.structure import Structure
+from nonsmooth.system.parts import Exit, Mode, Text
+from nonsmooth.system.system import System
+from nonsmooth.system.text.grammar import is_name
+
+__all__ = ["machine"]
+
+_CONTACTS = (Stop, GapSpring, DryFriction, RubRing, SnubberRing)
+_LOADS = (Force, Unbalance, Weight, BaseMotion)
+_OTHERS = ("definitions", "signals", "slow", "require", "initial", "describe")
+_MOST_FREEDOMS = 255
+_LONG = 1500  # characters of a term of an equation
+_SMALL = 20  # coordinates of a structure that has all of them as states
+
+
+@checked
+def machine(
+    structure: Structure | ReducedStructure,
+    contacts: Any = (),
+    loads: Any = (),
+    *,
+    Omega: Text | None = None,
+    parameters: Mapping[str, Text] | None = None,
+    period: Text | None = None,
+    outputs: Sequence[str] | str = (),
+    speed_range: Any = None,
+    name: str = "machine",
+    **others: Any,
+) -> System:
+    r"""A structure with contacts and loads, as a system for every analysis.
+
+    Parameters
+    ----------
+    structure : Structure or ReducedStructure
+        What moves. A `Structure` is taken as it is: one of up to 20 coordinates with these as
+        states, a larger one with all its natural modes. One of more than 255 has to be reduced.
+    contacts : sequence
+        `Stop`, `GapSpring`, `DryFriction`, `RubRing`, `SnubberRing`, at kept coordinates.
+    loads : sequence
+        `Force`, `Unbalance`, `Weight`, `BaseMotion`, at any coordinate.
+    Omega : float or str, optional
+        Speed of the shaft in rad/s, a parameter of the system. Required where the structure or
+        something attached to it depends on the speed.
+    parameters : mapping of str to float or str, optional
+        Further parameters, for texts in contacts and loads.
+    period : str or float, optional
+        Period of the forcing. One revolution, ``"2*pi/Omega"``, where there is an unbalance.
+    outputs : str or sequence of str, optional
+        Coordinates of the structure whose displacements and velocities are recorded too.
+    speed_range : tuple of float, optional
+        Lowest and highest speed in rad/s that the machine will have. Required where a bearing is a
+        function of the speed: polynomials stand for it, right to 1e-10.
+    name : str, optional
+        Name of the system.
+    **others
+        ``signals``, ``slow``, ``definitions``, ``require``, ``initial`` and ``describe``, as
+        `System` takes them.
+
+    Returns
+    -------
+    System
+        The states are natural modes ``eta1 eta2 ...`` of the structure, with the velocities
+        ``veta1 veta2 ...``, and those of rings. The coordinates of all contacts but springs without
+        a damper are states by their own names, as ``3x`` that becomes ``x3``, with the velocity
+        ``vx3``. Other kept coordinates are outputs of such names, so that both are recorded and may
+        stand in texts. `ReducedStructure.start` makes initial states, its ``recover``
+        displacements of the full model. Numbers of contacts, loads and constant bearings become
+        parameters that begin with the name of the part, such as ``stop1_gap``: change them by
+        ``with_parameters``, in sweeps and along branches. A text in their place becomes a
+        definition of this name. Outputs are the forces of contacts, such as ``spring1_force``, and
+        the coordinates asked for.
+
+    Raises
+    ------
+    ModelError
+        When a contact is at a coordinate that is not kept, two parts have one name, or a value
+        fails a requirement.
+    OptionError
+        When the structure is too large, or an argument that is needed is missing.
+
+    See Also
+    --------
+    nonsmooth.structures.reduce : a large structure in few coordinates.
+
+    Notes
+    -----
+    Stops and gap springs leave the machine linear in pieces, so that it runs in closed form with
+    any number of natural modes. Every gap spring has two cells, one with ``side="both"`` three;
+    cells of several contacts multiply, up to 1000. Setting up a mode costs as much as finding the
+    eigenvalues of its matrix, which grows with the cube of the number of states: with tens of
+    states it takes about a millisecond. It is repeated for each value of a parameter and for each
+    revolution of a run-up.
+
+    Examples
+    --------
+    A chain of 40 masses, shaken at its base, whose end meets a spring:
+
+    >>> import numpy as np
+    >>> import nonsmooth as ns
+    >>> n = 40
+    >>> stiffness = n * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
+    >>> stiffness[-1, -1] = n
+    >>> chain = ns.Structure(np.eye(n) / n, stiffness, damping=0.01 * stiffness)
+    >>> small = ns.structures.reduce(chain, keep=["q39"], frequency_range=(0.0, 20.0))
+    >>> shaken = ns.structures.machine(
+    ...     small,
+    ...     [ns.structures.GapSpring("q39", gap=0.05, stiffness=50.0)],
+    ...     [ns.structures.Force("q0", "F*cos(omega*t)")],
+    ...     parameters={"F": 4.0, "omega": 1.3},
+    ...     period="2*pi/omega",
+    ...     outputs=["q20"],
+    ... )
+    >>> run = ns.simulate(shaken, periods=60)
+    >>> round(float(run["spring1_force"].max()), 4)
+    0.9001
+    """
+    listed_contacts = _listed("contacts", contacts, _CONTACTS)
+    listed_loads = _listed("loads", loads, _LOADS)
+    reduction, states = _reduction(structure, listed_contacts, listed_loads)
+    full, form = reduction.structure, generalized_form(reduction, states)
+    place = Attachment(full, reduction.keep, form, alone=len(listed_contacts) == 1)
+    linear, limits = linear_part(place), _speed_range(speed_range)
+    parts = [
+        bearing_part(place, bearing, held, called, limits)
+        for (called, bearing), held in zip(
+            _bearing_names(full).items(), reduction.held, strict=True
+        )
+    ]
+    parts += [
+        part._contribution(called, place)
+        for called, part in _named([*listed_contacts, *listed_loads]).items()
+    ]
+    words = _words(place, linear, parts, outputs)
+    turns = linear.turns or any(part.turns for part in parts)
+    words["parameters"] = _speed(turns, Omega) | dict(parameters or {}) | words["parameters"]
+    words["describe"] |= {"time": "time [s]"}
+    if Omega is not None:
+        words["describe"] |= {"Omega": "speed of the shaft [rad/s]"}
+    if period is None and any(part.driven for part in parts):
+        period = "2*pi/Omega"
+    for key, value in others.items():
+        if key not in _OTHERS:
+            raise OptionError(unknown_name("argument", key, _OTHERS))
+        given = words.get(key)
+        words[key] = {**given, **value} if isinstance(given, dict) else value
+    return System(name=name, period=period, **words)
+
+
+def _listed(where: str, given: Any, known: tuple[type, ...]) -> list[Any]:
+    if isinstance(given, known):
+        return [given]
+    listed = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+    for each in listed:
+        if not isinstance(each, known):
+            names = ", ".join(kind.__name__ for kind in known)
+            raise OptionError(f"{where}: {shown(each)} is none; give some of {names}")
+    return listed
+
+
+def _named(parts: Sequence[Any]) -> dict[str, Any]:
+    """Parts by the names that their texts begin with."""
+    found: dict[str, Any] = {}
+    for part in parts:
+        same = [each for each in parts if each.kind == part.kind]
+        name = part.name or f"{part.kind}{same.index(part) + 1}"
+        count = 2
+        while not part.name and name in found:  # two parts that are equal
+            name, count = f"{part.kind}{same.index(part) + count}", count + 1
+        if name in found:
+            raise ModelError(f"name: two contacts or loads are called {name!r}; each has its own")
+        found[name] = part
+    return found
+
+
+def _bearing_names(structure: Structure) -> dict[str, Any]:
+    names = [each.name.replace(" ", "_") for each in structure.bearings]
+    return {
+        name if is_name(name) and names.count(name) == 1 else f"bearing{i}": bearing
+        for i, (name, bearing) in enumerate(zip(names, structure.bearings, strict=True), 1)
+    }
+
+
+def _reduction(
+    structure: Structure | ReducedStructure, contacts: Sequence[Any], loads: Sequence[Any]
+) -> tuple[ReducedStructure, tuple[str, ...]]:
+    """A reduced structure, or all of it, and the coordinates that are states by themselves."""
+    full = structure.structure if isinstance(structure, ReducedStructure) else structure
+    jumping = _coordinates(full, [each for each in contacts if not _plain(each)])
+    if isinstance(structure, ReducedStructure):
+        return structure, tuple(name for name in jumping if name in structure.keep)
+    if full.size > _MOST_FREEDOMS:
+        raise OptionError(
+            f"structure: it has {full.size} coordinates; at most {_MOST_FREEDOMS} can run:"
+            " reduce it by nonsmooth.structures.reduce"
+        )
+    if full.size <= _SMALL:
+        return reduce(full, full.coordinates, modes=full.size), full.coordinates
+    keep = _coordinates(full, [*contacts, *loads]) or full.coordinates[:1]
+    return reduce(full, keep, modes=full.size), jumping
+
+
+def _plain(contact: Any) -> bool:
+    """Whether a contact only adds a linear force on one of its sides.
+
+    Where velocities or accelerations jump, or a force is not linear, its coordinate is a state:
+    the equations of what happens there are then short, whatever the number of natural modes.
+    """
+    return isinstance(contact, GapSpring) and contact.damping is None
+
+
+def _coordinates(structure: Structure, parts: Sequence[Any]) -> tuple[str, ...]:
+    """Coordinates at which contacts and loads are, each once."""
+    found: dict[str, None] = {}
+    for part in parts:
+        for key in ("coordinate", "x", "y"):
+            given = getattr(part, key, ())
+            for each in (given,) if isinstance(given, str | int) else given:
+                found[structure.coordinates[structure.index(each)]] = None
+    return tuple(found)
+
+
+def _speed_range(given: Any) -> tuple[float, float] | None:
+    if given is None:
+        return None
+    values = finite_numbers("speed_range", given)
+    if values.shape != (2,) or not values[0] < values[1]:
+        raise OptionError(f"speed_range = {shown(given)}: give two speeds in rad/s, increasing")
+    return float(values[0]), float(values[1])
+
+
+def _speed(turns: bool, Omega: Text | None) -> dict[str, Text]:
+    """The speed among the parameters, where anything depends on it."""
+    if Omega is not None:
+        return {"Omega": Omega}
+    if turns:
+        raise OptionError("Omega: give the speed of the shaft in rad/s; the machine depends on it")
+    return {}
+
+
+def _words(
+    place: Attachment, linear: LinearPart, parts: Sequence[Contribution], outputs: Any
+) -> dict[str, Any]:
+    """What `System` takes, but for name and period."""
+    words: dict[str, Any] = {
+        key: {}
+        for key in ("parameters", "definitions", "outputs", "describe", "require", "surfaces")
+    }
+    names = place.form.coordinates
+    _record_coordinates(words, place, outputs)
+    for part in parts:
+        for key, into in words.items():
+            into |= getattr(part, key)
+        for text, shares in part.loads:
+            for state, share in zip(names, shares.tolist(), strict=True):
+                if share:
+                    linear.forces[state].append(weighted_sum([(share, text)]))
+    flow = {name: f"v{name}" for name in names}
+    for name, given in linear.forces.items():
+        terms = _shortened(name, given, words["definitions"])
+        if name in linear.accelerations:
+            words["definitions"][f"sum_of_forces_{name}"] = joined(terms)
+        flow[f"v{name}"] = linear.accelerations.get(name) or joined(terms)
+    rings = [part.ring for part in parts if part.ring is not None]
+    words["states"] = [*flow, *(state for ring in rings for state in ring.states)]
+    exits = [way for part in parts for way in part.exits]
+    if rings:
+        words["modes"] = _ring_modes(flow, exits, rings, alone=not exits and not words["surfaces"])
+    elif exits or words["surfaces"]:
+        named = [part for part in parts if part.surfaces]
+        cells = named[0].cells if len(named) == 1 and named[0].cells else None
+        words["modes"] = {"free" if exits else "flow": Mode(flow, exits=exits, cells=cells)}
+    else:
+        words["equations"] = flow
+    return words
+
+
+def _shortened(name: str, terms: Sequence[str], definitions: dict[str, str]) -> list[str]:
+    """Terms of a sum with a definition in place of each long one: texts have a greatest length."""
+    short = []
+    for i, term in enumerate(terms, 1):
+        if len(term) > _LONG:
+            definitions[f"part{i}_of_{name}"] = term
+            term = f"part{i}_of_{name}"
+        short.append(term)
+    return short
+
+
+def _record_coordinates(words: dict[str, Any], place: Attachment, outputs: Any) -> None:
+    """Labels of states, and as outputs kept coordinates that are none, and those asked for."""
+    structure, form = place.structure, place.form
+    for state in form.coordinates[len(form.states) :]:
+        number = state.removeprefix("eta")
+        words["describe"][state] = f"amplitude of natural mode {number}"
+        words["describe"][f"v{state}"] = f"rate of natural mode {number}"
+    asked = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    places = dict.fromkeys(structure.index(name) for name in (*form.states, *place.keep))
+    places |= dict.fromkeys(place_of(name, structure.coordinates, "outputs") for name in asked)
+    for i in places:
+        name = structure.coordinates[i]
+        unit = "rad" if is_rotation(name) else "m"
+        labels = (f"displacement {name} [{unit}]", f"velocity {name} [{unit}/s]")
+        for prefix, label in zip(("", "v"), labels, strict=True):
+            called = f"{prefix}{state_name(name)}"
+            words["describe"][called] = label
+            if name not in form.states:
+                states = [f"{prefix}{each}" for each in form.coordinates]
+                text = weighted_sum(zip(form.basis[i], states, strict=True))
+                words["outputs"][called] = text or "0"
+
+
+def _ring_modes(
+    flow: Mapping[str, str], exits: Sequence[Exit], rings: Sequence[RingModes], *, alone: bool
+) -> dict[str, Mode]:
+    """A mode for each set of rings that are in contact; cells have names where a ring is alone."""
+
+    def called(closed: Sequence[bool]) -> str:
+        names = [ring.name for ring, each in zip(rings, closed, strict=True) if each]
+        if not names:
+            return "free"
+        return "contact" if len(rings) == 1 else "_".join(names)
+
+    alone = alone and len(rings) == 1
+    modes = {}
+    for closed in product((False, True), repeat=len(rings)):
+        rates, ways = dict(flow), list(exits)
+        slaved: dict[str, str] = {}
+        definitions: dict[str, str] = {}
+        for i, (ring, touches) in enumerate(zip(rings, closed, strict=True)):
+            other = called([not each if i == j else each for j, each in enumerate(closed)])
+            way = ring.contact_exit if touches else ring.free_exit
+            ways.append(Exit(way.guard, to=other, reset=way.reset, name=way.name))
+            slaved |= ring.contact_slaved if touches else ring.free_slaved
+            if not touches:
+                rates |= ring.free_flow
+                definitions |= ring.free_definitions
+        cells = rings[0].cells
+        modes[called(closed)] = Mode(
+            rates,
+            exits=ways,
+            slaved=slaved,
+            definitions=definitions,
+            cells=None if not alone else cells if any(closed) else dict.fromkeys(cells, "free"),
+        )
+    return modes

@@ -1,0 +1,132 @@
+"""Coefficients of bearings as texts of the speed: polynomials in pieces, exact for tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nonsmooth.errors import ModelError
+from nonsmooth.structures.bearing import Bearing
+
+__all__ = ["SpeedPiece", "coefficient_pieces", "piecewise_text", "varies"]
+
+Floats = npt.NDArray[np.float64]
+_ACCURACY = 1e-10  # of polynomials through a function, relative to the largest coefficient
+_DEGREE = 12
+_NARROWEST = 2e-3  # of the range of speeds: a piece that is halved no more
+
+
+class SpeedPiece(NamedTuple):
+    """A polynomial in (speed - centre)/scale from one speed to another.
+
+    ``coefficients`` (p, 2, k, k): highest power first, stiffness and damping of the bearing.
+    """
+
+    begin: float
+    end: float
+    centre: float
+    scale: float
+    coefficients: Floats
+
+
+def coefficient_pieces(
+    bearing: Bearing, speed_range: tuple[float, float] | None
+) -> list[SpeedPiece]:
+    """Coefficients of a bearing as polynomials; one piece where they are constant."""
+    if bearing.constant:
+        values = np.array(bearing.at_speed(0.0))
+        return [SpeedPiece(-np.inf, np.inf, 0.0, 1.0, values[np.newaxis])]
+
+    def both(speed: float) -> Floats:
+        return np.array(bearing.at_speed(speed))
+
+    if callable(bearing.stiffness) or callable(bearing.damping):
+        begin, end = _range(bearing, speed_range)
+        least = _NARROWEST * (end - begin)
+        return list(_through(both, begin, end, least, np.abs(both(0.5 * (begin + end)))))
+    from scipy.interpolate import CubicSpline
+
+    # the polynomials of the bearing itself, for it makes them in the same way
+    assert bearing.speeds is not None
+    spline = CubicSpline(bearing.speeds, [both(speed) for speed in bearing.speeds.tolist()])
+    knots = spline.x.tolist()
+    return [
+        SpeedPiece(begin, end, begin, 1.0, spline.c[:, i])
+        for i, (begin, end) in enumerate(pairwise(knots))
+    ]
+
+
+def _range(bearing: Bearing, given: tuple[float, float] | None) -> tuple[float, float]:
+    limits = bearing.speed_range or given
+    if limits is None:
+        called = bearing.name or ", ".join(map(str, bearing.coordinates))
+        raise ModelError(
+            f"speed_range: the bearing at {called} is a function of the speed; give the lowest and"
+            " highest speed that the machine will have, and polynomials between them stand for it"
+        )
+    return limits
+
+
+def _through(
+    function: Callable[[float], Floats], begin: float, end: float, least: float, size: Floats
+) -> Sequence[SpeedPiece]:
+    """Polynomials through a function, halved until they are right between their points."""
+    from numpy.polynomial import chebyshev
+
+    centre, scale = 0.5 * (begin + end), 0.5 * (end - begin)
+    at = chebyshev.chebpts1(_DEGREE + 1)
+    values = np.array([function(centre + scale * s) for s in at.tolist()])
+    found = chebyshev.chebfit(at, values.reshape(len(at), -1), _DEGREE)
+    between = np.cos(np.arange(_DEGREE + 2) * np.pi / (_DEGREE + 1))
+    right = np.array([function(centre + scale * s) for s in between.tolist()])
+    fault = np.abs(chebyshev.chebval(between, found).T.reshape(right.shape) - right).max(axis=0)
+    size = np.maximum(size, np.abs(right).max(axis=0))
+    if (fault <= _ACCURACY * size).all():
+        powers = np.zeros_like(found)
+        for i, column in enumerate(found.T):  # which loses zeros at its end
+            each = chebyshev.cheb2poly(column)
+            powers[: len(each), i] = each
+        powers = powers[::-1]
+        return [SpeedPiece(begin, end, centre, scale, powers.reshape(-1, *right.shape[1:]))]
+    if end - begin < least:
+        raise ModelError(
+            f"bearings: a coefficient is no smooth function of the speed: near {centre:g} rad/s no"
+            " polynomial comes close to it; give a table with speeds="
+        )
+    return [
+        *_through(function, begin, centre, least, size),
+        *_through(function, centre, end, least, size),
+    ]
+
+
+def piecewise_text(name: str, pieces: Sequence[SpeedPiece], at: tuple[int, int, int]) -> str:
+    """Text of one coefficient as a function of a parameter."""
+    if len(pieces) > 1:
+        middle = len(pieces) // 2  # halves, so that the text is nested no deeper than it must be
+        below = piecewise_text(name, pieces[:middle], at)
+        above = piecewise_text(name, pieces[middle:], at)
+        return f"where({name} < {pieces[middle].begin!r}, {below}, {above})"
+    (piece,) = pieces
+    values = [float(each) for each in piece.coefficients[(slice(None), *at)]]
+    while len(values) > 1 and values[0] == 0.0:
+        del values[0]
+    along = f"({name} - {piece.centre!r})" if piece.centre else name
+    if piece.scale != 1.0:
+        along = f"({along}/{piece.scale!r})"
+    text = repr(values[0])
+    for value in values[1:]:
+        text = f"({value!r} + {along}*{text})"
+    return text
+
+
+def varies(pieces: Sequence[SpeedPiece], at: tuple[int, int, int]) -> bool:
+    """Whether a coefficient depends on the speed."""
+    first = pieces[0].coefficients[(-1, *at)]
+    return any(
+        piece.coefficients[(slice(None, -1), *at)].any() or piece.coefficients[(-1, *at)] != first
+        for piece in pieces
+    )
