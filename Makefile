@@ -28,6 +28,9 @@ demo: $(ENGINE) ## draw the chapter's demonstration into demo-output
 chapter: $(ENGINE) ## draw and judge the whole chapter into chapter-output/report.html
 	$(BIN)/nonsmooth chapter run --all --out chapter-output
 
+# the processes of the tests share the processors already
+test slow: export OPENBLAS_NUM_THREADS ?= 1
+
 test: $(ENGINE) ## run the tests and the examples in docstrings
 	$(BIN)/python -m pytest --numprocesses=$(JOBS)
 

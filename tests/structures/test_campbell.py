@@ -137,7 +137,11 @@ def random_shaft(rng, *, isotropic):
     return shaft(beams, discs=discs, bearings=held)
 
 
-@pytest.mark.parametrize("seed", range(12))
+LONGEST = {0, 2, 7, 10}  # of the seeds
+SEEDS = [pytest.param(k, marks=[pytest.mark.slow] * (k in LONGEST)) for k in range(12)]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_critical_speeds_of_undamped_shafts_by_a_direct_eigenproblem(seed):
     """At a critical speed w the speed drops out: (K - w^2 (M - i G)) q = 0.
 
@@ -154,6 +158,7 @@ def test_critical_speeds_of_undamped_shafts_by_a_direct_eigenproblem(seed):
     np.testing.assert_allclose(found, expected[expected < 4000.0], rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_critical_speeds_do_not_depend_on_the_grid():
     """Of a damped shaft in bearings that depend on the speed: found to rounding on each grid."""
     speeds = np.linspace(0.0, 1500.0, 6)
@@ -175,7 +180,7 @@ def test_critical_speeds_do_not_depend_on_the_grid():
         assert value.imag == pytest.approx(speed, rel=1e-12)
 
 
-@pytest.mark.parametrize("sparse", [False, True])
+@pytest.mark.parametrize("sparse", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_shaft_of_404_coordinates(sparse):
     """As many as engineers have; the curves are those of one speed at a time, in any order."""
     rotor = machine(100, sparse=sparse)
