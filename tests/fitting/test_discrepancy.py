@@ -87,6 +87,7 @@ def test_a_time_base_that_jitters_is_named_and_measured():
     # 26 delays tell their deviation to 1/sqrt(2*26), a seventh: three times that
     assert float(found["time_error"][0]) == pytest.approx(0.01, rel=0.42)
     assert "as if the times of its samples were off by about 0.0" in found.attrs["message"]
+    assert "give a range for it by delay=" in found.attrs["message"]
     assert found.attrs["interval_method"].endswith("and for errors that follow the motion")
     assert np.all(found["variance_ratio"].values > 1.0)
 

@@ -102,7 +102,8 @@ def fit_dataset(
     variables |= _discrepancies(spread.discrepancies, best.noise)
     words = _open_words(shooting, best, directions)
     names_of_channels = _names_of_channels(shooting)
-    told = _message(best, agrees, words, variables, names_of_channels, spread.discrepancies)
+    late = [channel.delay.is_free for channel in shooting.channels]
+    told = _message(best, agrees, words, variables, names_of_channels, late, spread.discrepancies)
     told += _few_words(shooting, best, names_of_channels) + _events_words(best, series)
     steady: dict[str, Any] = {}
     if growth := shooting.multipliers(best.evaluation):
@@ -350,8 +351,14 @@ def _method(spread: Spread) -> str:
     return _WIDENED if spread.is_widened else _PLAIN
 
 
-def _source_words(channel: str, found: Sequence[Discrepancy]) -> list[str]:
+def _source_words(channel: str, found: Sequence[Discrepancy], *, late: bool) -> list[str]:
     """What errors that follow the motion speak of."""
+    constant = (
+        ""
+        if late
+        else f", but no delay that is the same all through: if {channel} may be late, give a range"
+        " for it by delay="
+    )
     words = {
         MOTION: (
             f"part of the residuals of {channel} repeats with the motion: the model or the sensor"
@@ -366,7 +373,7 @@ def _source_words(channel: str, found: Sequence[Discrepancy]) -> list[str]:
     return [
         words.get(each.source)
         or f"residuals of {channel} are as if the times of its samples were off by about"
-        f" {each.time:.2g}, anew in each period; intervals include it"
+        f" {each.time:.2g}, anew in each period; intervals include it{constant}"
         for each in found
     ]
 
@@ -399,9 +406,10 @@ def _message(
     words: str,
     variables: Variables,
     channels: Sequence[str],
+    late: Sequence[bool],
     discrepancies: Sequence[Discrepancy],
 ) -> str:
-    """How the fit ended, and what speaks against it."""
+    """How the fit ended, and what speaks against it; late: whether delays of channels are found."""
     parts = ["completed" if best.closed else f"not_converged: {NOT_CONVERGED}"]
     if agrees.any():
         parts.append(f"{int(agrees.sum())} of {agrees.size} starts agree")
@@ -427,7 +435,7 @@ def _message(
                 " but no interval tells of the second"
             )
             parts.append(f"residuals of {channel} are correlated{'' if own else causes}")
-        parts += _source_words(channel, own)
+        parts += _source_words(channel, own, late=late[c])
         if variables["prediction_error"][1][c] > _POOR:
             parts.append(f"what was held back of {channel} is predicted poorly")
     return "; ".join(parts)
