@@ -8,6 +8,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.analysis import bifurcation_picture as module
 from nonsmooth.analysis.pictures import branches
+from nonsmooth.analysis.pictures.chunks import Chunks
 from nonsmooth.plot.pictures import branches_of
 
 FOLD = 2.0 / (3.0 * np.sqrt(3.0))  # of p = x**3 - x
@@ -221,6 +222,7 @@ def test_a_cycle_lies_on_a_branch_between_points_that_are_far_from_it() -> None:
         np.array([5.0, 6.0]),
         1000,
         1e-12,
+        Chunks(),
         [branch],
     )
     run = ns.simulate(ball.with_parameters(Gamma=1.58), {"y": 0.0, "v": 1.58}, periods=5)

@@ -174,7 +174,9 @@ def bifurcation_picture(
     ([1, 1, 1, 1, 1], 1)
     """
     shared = SharedOptions(parameters, tolerance, store=store, seed=seed)
-    chosen = map_of(system, parameters, tolerance, "bifurcation_picture", states_only=True)
+    chosen = map_of(
+        system, parameters, tolerance, "bifurcation_picture", states_only=True, strobes_only=True
+    )
     if not isinstance(chosen, StroboscopicMap):
         raise OptionError(
             "system: a bifurcation picture is one of strobes; give a system with a period, or a"

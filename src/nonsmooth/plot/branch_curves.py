@@ -301,11 +301,23 @@ def branch_curve(
     place = special.before[inner] + 1
     x, y = (np.insert(old, place, new[inner]) for old, new in zip(points, places, strict=True))
     ways = _ways(np.insert(kind, place, _NEITHER))
-    passes = event_passes_strobe(branch, turn)
+    passes = event_passes_strobe(branch, turn) | _section_moves(branch)
     jumps = passes & (_jumps(points[0], passes) | _jumps(points[1], passes))
     before = np.insert(np.arange(len(points[0])), place, special.before[inner])
     ways[np.isin(before[:-1], np.flatnonzero(jumps))] = _JUMPS
     return BranchCurve(x, y, ways, what.replace("_", " "))
+
+
+def _section_moves(branch: xr.Dataset) -> npt.NDArray[np.bool_]:
+    """Whether a cycle is told from another place behind each point, where its word changes.
+
+    What nothing drives begins at an event, or where there is none anywhere on the cycle.
+    """
+    count = max(branch.sizes["point"] - 1, 0)
+    if "word" not in branch or "strobes" in branch:
+        return np.zeros(count, bool)
+    words = branch["word"].values
+    return np.asarray(words[1:] != words[:-1])
 
 
 def event_passes_strobe(branch: xr.Dataset, turn: int = 0) -> npt.NDArray[np.bool_]:

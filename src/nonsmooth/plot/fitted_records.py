@@ -115,6 +115,7 @@ def fit(
     panel.sharex(ax)
     level = _BAND * float(shown["noise"])
     panel.axhspan(-level, level, color="0.88", linewidth=0.0, zorder=0)
+    ax.fill_between([], [], color="0.88", linewidth=0.0, label="95 % of the noise")
     if by_phase:
         cycle = str(data.attrs["cycle"])
         across = (int(cycle) if cycle.isdecimal() else 1) if periods is None else periods

@@ -138,9 +138,10 @@ def bifurcation_picture(
     finish_axes(upper, "", state_label(picture, y))
     finish_axes(lower, label, "share of the starts")
     lower.set_ylim(0.0, 1.0)
-    low, high = picture["parameter"].values[[0, -1]]
+    values = picture["parameter"].values
+    beside = 0.5 * (values[-1] - values[0]) / max(values.size - 1, 1)  # or frames hide points
     for each in (upper, lower):
-        each.set_xlim(low, high)
+        each.set_xlim(values[0] - beside, values[-1] + beside)
     upper.tick_params(labelbottom=False)
     place_legend(upper, may_grow=own)
     return upper
