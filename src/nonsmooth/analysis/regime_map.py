@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from functools import partial
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,17 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import check_way
-from nonsmooth.analysis.options import SharedOptions, refuse_fixed
 from nonsmooth.analysis.regimes.border_refinement import refine_borders, refined_values
-from nonsmooth.analysis.regimes.options import check_system, make_protocol
+from nonsmooth.analysis.regimes.map_question import ask_map
 from nonsmooth.analysis.regimes.points import Plane
 from nonsmooth.analysis.regimes.regime_dataset import map_dataset
 from nonsmooth.analysis.settle import said_of_start
-from nonsmooth.errors import ModelError, OptionError, is_known, unknown_choice, unknown_name
+from nonsmooth.errors import OptionError, is_known, unknown_choice
+from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.options import finite_number
-from nonsmooth.runs.runner import build_tables
-from nonsmooth.runs.start import Start, check_carried, resolve_start
-from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -165,12 +160,12 @@ def regime_map(
             "tolerance": tolerance, "mode": mode, "threads": threads,
         }  # fmt: skip
         return _maps_of_starts(partial(regime_map, system, over, **same), initial, store)
-    shared = SharedOptions(parameters, tolerance, mode, threads, store)
-    given, system = system, shared.system_of(system)
-    check_system(system, period, "regime_map")
-    names, values = _check_grid(system, over)
-    refuse_fixed(given, parameters, names, "over")
-    _check_corners(system, period, names, values)
+    question = ask_map(
+        "regime_map", system, over, initial=initial, transient=transient, record=record,
+        evidence=evidence, longest=longest, confirm=confirm, phase=phase, period=period,
+        match=match, parameters=parameters, tolerance=tolerance, mode=mode,
+    )  # fmt: skip
+    workers = check_threads(threads)
     levels = _check_refine(refine)
     way = check_way(start)
     if levels and way != "restart":
@@ -180,41 +175,21 @@ def regime_map(
         )
     if not is_known(fill, _FILLS):
         raise OptionError(unknown_choice("fill", fill, _FILLS))
-    protocol = make_protocol(transient, record, evidence, longest, confirm, phase, match)
-    fine = (refined_values(values[0], levels), refined_values(values[1], levels))
+    fine = (
+        refined_values(question.values[0], levels),
+        refined_values(question.values[1], levels),
+    )
     if fine[0].size * fine[1].size > _MOST:
         raise OptionError(
             f"over: {fine[0].size} times {fine[1].size} points are asked for, at most {_MOST:g};"
-            " take fewer values, or a smaller refine="
+            " take fewer values, or a smaller refine=, or nonsmooth.cluster.plan_map, which has no"
+            " such limit"
         )
-    # refuse here what no point could begin with
-    check_carried(system, initial, parameters, names)
-    begin = resolve_start(system, build_tables(system), initial, None, mode, repeated=True)
-    options = {
-        "start": way,
-        "initial": said_of_start(initial),
-        "refine": levels,
-        "fill": fill,
-        "transient": protocol.transient,
-        "record": protocol.record,
-        "evidence": protocol.evidence,
-        "longest": protocol.longest,
-        "confirm": protocol.confirm,
-        "phase_of_period": protocol.phase,
-        "strobe_period": "the period of the system" if period is None else str(period),
-        "match": protocol.match,
-        "tolerance": float(tolerance),
-        "mode_of_start": mode or "",
-        "changed_parameters": shared.changes,
-    }
-    told = options | {
-        "system": system.to_toml(),
-        "over": {name: array for name, array in zip(names, values, strict=True)},
-        "initial": _start_of(initial, begin),
-    }
+    options = {"start": way, "initial": said_of_start(initial), "refine": levels, "fill": fill}
+    options |= question.recorded
     plane = Plane(
-        protocol, StroboscopicMap(system, phase=protocol.phase, period=period), names, fine,
-        initial, mode, tolerance, shared.workers, store, way, told,
+        question.protocol, question.strobes, question.names, fine, initial, mode, tolerance,
+        workers, store, way, options | question.told,
     )  # fmt: skip
     filled = refine_borders(plane.keys, levels, plane.compute)
     if fill == "motions":
@@ -222,52 +197,7 @@ def regime_map(
         plane.compute(filled)
         filled = filled[:0]
     plane.fill(filled)
-    return map_dataset(system, names, fine, plane.verdicts, filled, options)
-
-
-def _check_corners(
-    system: System,
-    period: float | str | None,
-    names: tuple[str, str],
-    values: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]],
-) -> None:
-    """Refuse a time between strobes that is one period of the system here, and none there."""
-    if period is None:
-        return
-    for corner in product(*((each[0], each[-1]) for each in values)):
-        with suppress(ModelError):  # the map has a label for what the system refuses
-            there = system.with_parameters(**dict(zip(names, map(float, corner), strict=True)))
-            check_system(there, period, "regime_map")
-
-
-def _check_grid(
-    system: System, over: Any
-) -> tuple[tuple[str, str], tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
-    """Names and values of the two parameters."""
-    if not isinstance(over, Mapping) or len(over) != 2:
-        given = f"{len(over)} given" if isinstance(over, Mapping) else f"{over!r:.60}"
-        raise OptionError(
-            f"over = {given}: give two different parameters and their values, such as"
-            ' {"omega": np.linspace(0.5, 1, 50), "zeta": np.linspace(0.01, 0.1, 40)}'
-        )
-    values = []
-    for name, each in over.items():
-        if name not in system.parameters:
-            raise OptionError(f"over: {unknown_name('parameter', str(name), system.parameters)}")
-        try:
-            array = np.atleast_1d(np.asarray(each, dtype=float))
-        except (TypeError, ValueError, OverflowError):
-            raise OptionError(f"over: {name!r}: {each!r:.60} is no list of numbers") from None
-        if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
-            raise OptionError(
-                f"over: {name!r} takes a one-dimensional, non-empty list of finite numbers, such as"
-                " np.linspace(0.5, 1, 50)"
-            )
-        if np.any(np.diff(array) <= 0.0):
-            raise OptionError(f"over: the values of {name!r} must grow; sort them, each once")
-        values.append(array)
-    first, second = (str(name) for name in over)
-    return (first, second), (values[0], values[1])
+    return map_dataset(question.system, question.names, fine, plane.verdicts, filled, options)
 
 
 def _check_refine(refine: Any) -> int:
@@ -278,13 +208,6 @@ def _check_refine(refine: Any) -> int:
             f" {_LEVELS}"
         )
     return int(number)
-
-
-def _start_of(initial: Any, begin: Start) -> Any:
-    """An initial state in numbers, for comparison with that of an earlier call."""
-    if hasattr(initial, "data_vars"):
-        return [*begin.state, *begin.modes]
-    return {str(name): float(value) for name, value in (initial or {}).items()}
 
 
 def _maps_of_starts(

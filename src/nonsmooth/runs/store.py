@@ -28,7 +28,6 @@ import threading
 import warnings
 import zipfile
 from collections.abc import Callable, Mapping
-from itertools import zip_longest
 from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeVar
@@ -40,6 +39,7 @@ from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.files import replacing
 from nonsmooth.runs.crew import run_tasks
 from nonsmooth.runs.memory import size_text
+from nonsmooth.runs.protocols import differences, plain
 from nonsmooth.version import __version__
 
 __all__ = [
@@ -61,8 +61,6 @@ T = TypeVar("T")
 _PART = re.compile(r"part-\d{5}")  # a store of several
 _SUFFIX = ".npy"  # of the arrays within the file, as `numpy.load` expects it
 _DIGITS = 64  # of a checksum over all that stands before it, the comment at the end of the file
-_LONGEST = 1000  # entries of an array that are written out
-_ABSENT = object()
 _FORMAT = 1
 _PROTOCOL, _LOCK = "protocol.json", "lock"
 _CHUNK = re.compile(r"(\d{6,})\.npz")
@@ -107,70 +105,6 @@ def _checksum(content: memoryview) -> bytes:
     return hashlib.sha256(content).hexdigest().encode()
 
 
-def _plain(value: Any) -> Any:
-    """A value as JSON has it. Of long arrays only what tells them from others is kept."""
-    if isinstance(value, Mapping):
-        return {str(name): _plain(part) for name, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(part) for part in value]
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, np.ndarray):
-        if value.size <= _LONGEST:
-            return value.tolist()
-        content = np.ascontiguousarray(value)
-        return {
-            "shape": list(value.shape),
-            "type": value.dtype.str,
-            "sha256": hashlib.sha256(content.tobytes()).hexdigest(),
-        }
-    return value
-
-
-def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """A line for each option that differs: its name, its former value, its present one."""
-    lines = []
-    for name in dict.fromkeys([*before, *now]):
-        found = _difference(name, before.get(name, _ABSENT), now.get(name, _ABSENT))
-        if found is not None:
-            lines.append("{}: {} then, {} now".format(*found))
-    return lines
-
-
-def _difference(name: str, before: Any, now: Any) -> tuple[str, str, str] | None:
-    """First place where two values differ, and what they are there."""
-    if before is _ABSENT or now is _ABSENT:
-        return name, _shown(before), _shown(now)
-    if json.dumps(before, sort_keys=True) == json.dumps(now, sort_keys=True):
-        return None
-    if isinstance(before, str) and isinstance(now, str) and "\n" in before + now:
-        rows = zip_longest(before.splitlines(), now.splitlines(), fillvalue="nothing")
-        return next((name, old, new) for old, new in rows if old != new)
-    if isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
-        pairs = {f"{name}[{i}]": pair for i, pair in enumerate(zip(before, now, strict=True))}
-    elif isinstance(before, dict) and isinstance(now, dict) and "sha256" not in before:
-        keys = dict.fromkeys([*before, *now])
-        pairs = {
-            f"{name}[{key!r}]": (before.get(key, _ABSENT), now.get(key, _ABSENT)) for key in keys
-        }
-    else:
-        return name, _shown(before), _shown(now)
-    found = (_difference(place, *pair) for place, pair in pairs.items())
-    return next((each for each in found if each is not None), (name, _shown(before), _shown(now)))
-
-
-def _shown(value: Any) -> str:
-    """A value in a message."""
-    if value is _ABSENT:
-        return "not given"
-    if isinstance(value, dict) and "sha256" in value:
-        return f"an array {tuple(value['shape'])} of content {value['sha256'][:8]}"
-    if isinstance(value, list) and len(value) > 6:
-        return f"a list of {len(value)}"
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
 class Store:
     """Arrays of each task of a computation, in a folder; see `Store.open`."""
 
@@ -193,7 +127,7 @@ class Store:
             "format": _FORMAT,
             "nonsmooth_version": __version__,
             "tasks": n_tasks,
-            "protocol": _plain(protocol),
+            "protocol": plain(protocol),
         }
         try:
             store = cls(folder, lock(folder / _LOCK))
@@ -266,7 +200,7 @@ class Store:
                 " read; give another folder"
             ) from None
         now = {**whole.pop("protocol"), **whole}
-        different = _differences(former, now)
+        different = differences(former, now)
         if different:
             raise OptionError(
                 f"store = {str(self.folder)!r} was begun with other options:\n"
