@@ -12,7 +12,16 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
-    from nonsmooth import continuation, excitation, fatigue, measured, models, plot, structures
+    from nonsmooth import (
+        cluster,
+        continuation,
+        excitation,
+        fatigue,
+        measured,
+        models,
+        plot,
+        structures,
+    )
     from nonsmooth.analysis.attractors import attractors
     from nonsmooth.analysis.basin_entropy import basin_entropy
     from nonsmooth.analysis.basin_fractions import basin_fractions
@@ -100,6 +109,7 @@ __all__ = [
     "bifurcation_diagram",
     "bifurcation_picture",
     "box_dimension",
+    "cluster",
     "contact_statistics",
     "continuation",
     "continue_orbit",
@@ -149,6 +159,7 @@ __all__ = [
 ]
 
 _MODULES = (
+    "cluster",
     "continuation",
     "excitation",
     "fatigue",

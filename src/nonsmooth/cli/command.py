@@ -295,6 +295,7 @@ _ARGUMENTS = {
     " a fit takes .nc too.",
     "shaft": "File .npz or .mat with the matrices of a shaft and the names of its coordinates, or"
     " a folder with a file for each matrix.",
+    "store": "Folder of a map, which nonsmooth plan --store map.zarr makes.",
     "file": "File of basins, which nonsmooth basins --save basins.nc writes.",
 }
 
@@ -331,6 +332,8 @@ def _arguments(shape: str) -> Iterator[click.Argument]:
         yield click.Argument([name], nargs=-1, required=True, metavar=shape, type=click.Path())
     elif shape == "SHAFT":
         yield click.Argument(["shaft"], metavar=shape, type=click.Path())
+    elif shape == "STORE":
+        yield click.Argument(["store"], metavar=shape, type=click.Path())
     elif shape == "FILE.csv":
         yield click.Argument(["record"], metavar=shape, type=click.Path())
     else:

@@ -180,6 +180,11 @@ FORMS = {
         text="Keep finished parts in this folder. After an interruption the same command goes on"
         " there.",
     ),
+    "cluster.plan_map.store": Form(
+        "FOLDER",
+        text="Folder of the map, a Zarr store. One that was planned with the same options stays as"
+        " it is.",
+    ),
     "threads": Form(
         "N", text="Threads to use, all processors by default. The result does not depend on it."
     ),
@@ -226,6 +231,9 @@ LEAST: Mapping[str, float | None] = {
     "most_period": 1,
     "needed": 1,
     "among": 1,
+    "tile": 1,
+    "cluster.forecast.sample": 8,
+    "cluster.plan_map.record": 2,
 }
 
 

@@ -16,19 +16,19 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
-__all__ = ["regime", "regimes"]
+__all__ = ["need_strobes", "regime", "regimes", "two_parameters"]
 
 
 def regime(task: Task) -> None:
     """``nonsmooth regime``."""
     from nonsmooth.analysis.regime import regime as judge
 
-    _check_period(task)
+    need_strobes(task)
     found = judge(task.system, **task.options("regime"))
     task.finish(found, _regime_report(found))
 
 
-def _check_period(task: Task) -> None:
+def need_strobes(task: Task) -> None:
     """Refuse a system without a period, unless it is said when to look."""
     if task["period"] is None:
         need_period(task.system, "give the time between two looks at it by --period, such as 1")
@@ -71,8 +71,8 @@ def regimes(task: Task) -> None:
     """``nonsmooth regimes``."""
     from nonsmooth.analysis.regime_map import regime_map
 
-    _check_period(task)
-    over = _grid(task["over"])
+    need_strobes(task)
+    over = two_parameters(task["over"])
     task.refuse_fixed(over, "--over")
     result = regime_map(task.system, over, **task.options("regime_map"))
 
@@ -80,7 +80,7 @@ def regimes(task: Task) -> None:
     task.finish(result, _map_report(result), code=task.by_status(result))
 
 
-def _grid(over: tuple[str, ...]) -> dict[str, np.ndarray]:
+def two_parameters(over: tuple[str, ...]) -> dict[str, np.ndarray]:
     """Both parameters with their values."""
     pairs = [value_range(text) for text in over]
     if len(pairs) != 2 or pairs[0][0] == pairs[1][0]:

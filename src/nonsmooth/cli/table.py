@@ -255,6 +255,43 @@ TABLE = {
         example="nonsmooth regimes soft_impact"
         " --over omega=0.7:0.9:5 --over a=0.5:0.7:5 --plot regimes.png",
     ),
+    "plan": Entry(
+        "Plan a map of regimes of any size, which any number of workers compute together.",
+        "cluster.plan",
+        (("cluster.plan_map", ""),),
+        (_over(_PARAMETER + " Give it twice.", required=True, multiple=True),),
+        example="nonsmooth plan soft_impact"
+        " --over omega=0.7:0.9:40 --over a=0.5:0.7:30 --store map.zarr",
+    ),
+    "forecast": Entry(
+        "Tell how long the rest of a planned map will take here, from a sample of it.",
+        "cluster.forecast",
+        (("cluster.forecast", "sample threads seed"),),
+        arguments="STORE",
+        example="nonsmooth forecast map.zarr --sample 32",
+    ),
+    "work": Entry(
+        "Compute what is missing of a planned map, beside any number of other workers.",
+        "cluster.work",
+        (("cluster.work", "threads max_seconds retry patience"),),
+        (
+            Own("tiles", "Numbers of the tiles to look after, from 0 on; all by default.", "K,K"),
+            Own(
+                "part",
+                "Look after one of so many equal parts of the tiles, such as 3/16, where workers"
+                " should not depend on claims.",
+                "K/N",
+            ),
+        ),
+        arguments="STORE",
+        example="nonsmooth work map.zarr --max-seconds 3500",
+    ),
+    "progress": Entry(
+        "Tell how far a planned map is.",
+        "cluster.progress",
+        arguments="STORE",
+        example="nonsmooth progress map.zarr",
+    ),
     "orbit": Entry(
         "Find a periodic orbit, stable or not, with its multipliers.",
         "orbits.orbit",
