@@ -6,7 +6,15 @@ import re
 import numpy as np
 import pytest
 
-from cli.test_options import SMALL, files, write_days, write_record, write_shaft
+from cli.test_options import (
+    PLANNED,
+    SMALL,
+    files,
+    plan_small_map,
+    write_days,
+    write_record,
+    write_shaft,
+)
 from nonsmooth.cli.table import TABLE
 
 FEW = {
@@ -21,6 +29,7 @@ FEW = {
     "diagram": ["--transient", "20", "--record", "10"],
     "regime": ["--transient", "50", "--evidence", "50", "--longest", "50"],
     "regimes": ["--transient", "50", "--evidence", "50", "--longest", "50"],
+    "forecast": ["--sample", "8"],
     "manifold": ["--length", "1"],
     "homoclinic": ["--length", "0.5"],
     "continue": ["--steps", "10"],
@@ -111,7 +120,8 @@ def test_wrong_use_is_one_sentence_and_code_two(call, run, name):
         assert re.search(r"(Error|nonsmooth): .*[a-z']", result.stderr)
     if TABLE[name].arguments.startswith("MODEL"):
         record = ["record.csv"] if "RECORD" in TABLE[name].arguments else []
-        result = call(name, "no_such_model", *record, *SMALLER.get(name, []))
+        stored = ["--store", "none.zarr"] if name == "plan" else []
+        result = call(name, "no_such_model", *record, *stored, *SMALLER.get(name, []))
         assert result.exit_code == 2
         assert result.stderr.startswith("nonsmooth: unknown model 'no_such_model'")
         assert len(result.stderr.splitlines()) == 1
@@ -135,6 +145,8 @@ def test_the_example_of_the_help_works(call, tmp_path, monkeypatch, name):
         write_days(tmp_path)
     if name == "campbell":
         write_shaft(tmp_path)
+    if name in PLANNED:
+        plan_small_map(tmp_path / "map.zarr")
     program, *words = TABLE[name].example.split()
     result = call(*words)
     assert program == "nonsmooth" and words[0] == name

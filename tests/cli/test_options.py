@@ -131,6 +131,7 @@ SMALL = {
     "diagram": ["--over", "omega=0.7:0.8:2"],
     "contacts": ["--over", "omega=0.7:0.8:2"],
     "regimes": ["--over", "omega=0.7:0.8:2", "--over", "a=0.7:0.8:2"],
+    "plan": ["--over", "omega=0.7:0.8:2", "--over", "a=0.7:0.8:2"],
     "continue": ["--over", "omega=0.7:0.9"],
     "campbell": ["--speeds", "0:400:3"],
     "attractors": ["--over", "x=-1:1", "--over", "v=-1:1"],
@@ -212,7 +213,22 @@ def files(name, folder):
     if name == "smoothing":
         (folder / "friction.toml").write_text(FRICTION)
         return [folder / "friction.toml"]
+    if name == "plan":
+        return ["soft_impact", "--store", folder / "planned.zarr"]
+    if name in PLANNED:
+        return [plan_small_map(folder / "map.zarr")]
     return ["soft_impact"]
+
+
+PLANNED = ("forecast", "work", "progress")
+
+
+def plan_small_map(store):
+    """A map in tiles of which nothing is computed."""
+    short = {"transient": 20, "record": 10, "evidence": 20, "confirm": 0, "longest": 20}
+    over = {"omega": [0.7, 0.75, 0.8], "a": [0.7, 0.8]}
+    ns.cluster.plan_map(store, ns.models.soft_impact(), over, tile=2, **short)
+    return store
 
 
 @pytest.mark.parametrize(("name", "option", "least"), LEAST)

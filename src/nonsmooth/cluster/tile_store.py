@@ -16,6 +16,7 @@ import errno
 import hashlib
 import json
 import os
+import secrets
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
@@ -225,9 +226,8 @@ class TileStore:
         import zarr
 
         if name not in self._arrays:
-            self._arrays[name] = zarr.open_array(
-                self.folder / name, mode="r+", zarr_format=3, config={"write_empty_chunks": True}
-            )
+            array = zarr.open_array(self.folder / name, mode="r+", zarr_format=3)
+            self._arrays[name] = array.with_config({"write_empty_chunks": True})
         return self._arrays[name]
 
     @property
@@ -265,7 +265,7 @@ def make_store(path: str | Path, empty: xr.Dataset, plan: dict[str, Any]) -> Til
         with suppress(OSError):
             folder.rmdir()
     if not folder.exists():
-        draft = folder.with_name(f".{folder.name}.{os.getpid()}")
+        draft = folder.with_name(f".{folder.name}.{secrets.token_hex(8)}")
         try:
             _write(draft, empty, plan)
             os.rename(draft, folder)
