@@ -212,9 +212,7 @@ def test_stores_of_other_versions_are_refused(tmp_path):
     store = plan(tmp_path)
     change_plan(store, version="0.0.9")
     for verb in (ns.cluster.work, ns.cluster.forecast):
-        with pytest.raises(
-            OptionError, match=r"nonsmooth 0\.0\.9.*install that version"
-        ):
+        with pytest.raises(OptionError, match=r"nonsmooth 0\.0\.9.*install that version"):
             verb(store)
     with pytest.raises(OptionError, match=r"begun with nonsmooth 0\.0\.9"):
         plan(tmp_path)
