@@ -282,10 +282,24 @@ def rig():
     }
 
 
+def shared_map(folder):
+    """Right values of the functions that share a map among workers."""
+    over = {"omega": [0.8, 0.9], "a": [0.6, 0.7]}
+    planned, begun = folder / "planned.zarr", {"store": folder / "map.zarr", "system": STRUCK}
+    ns.cluster.plan_map(planned, STRUCK, over, **SHORT)
+    return {
+        "plan_map": (begun | {"over": over} | SHORT, {}),
+        "forecast": ({"store": planned, "sample": 8, "threads": 1}, {}),
+        "work": ({"store": planned, "threads": 1}, {}),
+        "progress": ({"store": planned}, {}),
+        "open_map": ({"store": planned}, {}),
+    }
+
+
 VERBS = sorted(set(ns.__all__) - {
     "ModelError", "NonsmoothError", "OptionError", "ResultWarning", "RunError", "RunWarning",
-    "__version__", "continuation", "explore", "excitation", "fatigue", "measured", "models", "plot",
-    "structures",
+    "__version__", "cluster", "continuation", "explore", "excitation", "fatigue", "measured",
+    "models", "plot", "structures",
 })  # fmt: skip
 RIG = ["alarm", "indicators", "roc", "from_arrays", "velocities", "section", "diagram", "low_pass",
        "displacements", "dimensionless", "synchronous", "Channel", "Differentiator"]  # fmt: skip
@@ -501,6 +515,12 @@ def test_a_wrong_argument_of_excitation_is_refused(name):
 @pytest.mark.parametrize("name", structures())
 def test_a_wrong_argument_of_structures_is_refused(name):
     check(name, getattr(ns.structures, name), structures()[name], {})
+
+
+@pytest.mark.parametrize("name", ["plan_map", "forecast", "work", "progress", "open_map"])
+def test_a_wrong_argument_of_a_map_in_tiles_is_refused(name, tmp_path):
+    verb, (right, long) = getattr(ns.cluster, name), shared_map(tmp_path)[name]
+    check(name, verb, right, long)
 
 
 def test_a_wrong_argument_of_a_method_is_refused():

@@ -6,7 +6,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Collection, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
 from concurrent.futures import TimeoutError as LateError
 from contextlib import contextmanager
 from functools import partial
@@ -30,7 +30,7 @@ from nonsmooth.runs.sweep_runner import SweepRunner
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Worker", "work"]
+__all__ = ["work"]
 
 _LOOK = 1.0  # seconds between two looks at tiles that others compute
 _MOST_NAMED = 5  # damaged tiles in a message
@@ -129,7 +129,7 @@ def work(
     if client is not None:
         if not hasattr(client, "get_executor"):
             raise OptionError(f"client = {client!r:.60}: give a Client of dask.distributed")
-        executor = client.get_executor()
+        executor = client.get_executor(pure=False)  # a tile that is taken may be free later
     elif executor is not None and not isinstance(executor, Executor):
         raise OptionError(f"executor = {executor!r:.60}: give an Executor of concurrent.futures")
     workers = check_threads(threads)
@@ -149,7 +149,7 @@ def work(
     return found if complete else found.assign_attrs(status="interrupted")
 
 
-class Worker:
+class TileWorker:
     """What computes tiles in one process."""
 
     def __init__(self, store: TileStore, claims: Claims) -> None:
@@ -193,7 +193,7 @@ def _in_threads(
 ) -> bool:
     """Compute tiles in threads of this process; False where the user interrupted."""
     with Claims(store, patience) as claims:
-        worker = Worker(store, claims)
+        worker = TileWorker(store, claims)
 
         def task(number: int, runner: SweepRunner, stop: threading.Event) -> str:
             if time.monotonic() > deadline:
@@ -251,10 +251,10 @@ def _outcome(store: TileStore, number: int, future: Future[str]) -> str:
         return future.result()
     except (OSError, NonsmoothError):
         raise
-    except BrokenExecutor as fault:
+    except (BrokenExecutor, CancelledError) as fault:
         raise RunError(
-            f"the executor lost a process ({fault}). What is done is kept: give a new executor, and"
-            " the same call goes on",
+            f"the executor ended before the work did ({type(fault).__name__}: {fault}). What is"
+            " done is kept: give a new executor, and the same call goes on",
             status="interrupted",
         ) from fault
     except Exception as fault:  # a worker of a cluster that was lost with this tile several times
@@ -262,7 +262,7 @@ def _outcome(store: TileStore, number: int, future: Future[str]) -> str:
         return FAILED
 
 
-_workers: dict[tuple[str, str, float], Worker] = {}
+_workers: dict[tuple[str, str, float], TileWorker] = {}
 _making = threading.Lock()
 
 
@@ -275,7 +275,7 @@ def _complete(path: str, identity: str, number: int, patience: float) -> str:
             store.check_version()
             claims = Claims(store, patience)
             claims.begin()
-            _workers[key] = Worker(store, claims)
+            _workers[key] = TileWorker(store, claims)
     worker = _workers[key]
     return worker.complete(number, worker.runner(), threading.Event())
 
