@@ -11,8 +11,8 @@ import pytest
 # Arrays, datasets, pictures, files and compilers: each takes longer than the whole help page.
 HEAVY = {
     "IPython", "PIL", "_cffi_backend", "cffi", "dask", "distributed", "flint", "h5netcdf", "h5py",
-    "heyoka", "matplotlib", "mpl_toolkits", "mpmath", "numba", "numpy", "pandas", "rainflow", "scipy", "sympy", "tqdm",
-    "xarray", "zarr",
+    "heyoka", "matplotlib", "mpl_toolkits", "mpmath", "numba", "numpy", "pandas", "rainflow",
+    "scipy", "sympy", "tqdm", "xarray", "zarr",
 }  # fmt: skip
 # Of the standard library: each takes about as long as all that the import needs, or longer.
 LARGE = {

@@ -52,6 +52,9 @@ class Claims:
         """Give signs of life from now on, until the context or the process ends."""
         with replacing(self._sign) as draft:
             draft.write_text(json.dumps({"place": _place(), "process": os.getpid()}))
+        for sign in self._sign.parent.glob("*.json"):  # those of processes that were killed
+            if _has_ended(sign):
+                sign.unlink(missing_ok=True)
         self._heart.start()
 
     def __exit__(

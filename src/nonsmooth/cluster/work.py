@@ -140,7 +140,7 @@ def work(
     with _told_of_disk(opened):
         if again:
             opened.forget_failures(chosen)
-        _mend(opened, chosen)
+        _mend(opened, chosen, patient)
         if executor is None:
             complete = _in_threads(opened, chosen, workers, patient, deadline)
         else:
@@ -209,7 +209,7 @@ def _in_threads(
                 keep=lambda i, outcome: keep(numbers[i], outcome),
             )
 
-        return _until_done(store, chosen, claims.worker, compute)
+        return _until_done(store, chosen, compute)
 
 
 def _in_executor(
@@ -242,7 +242,7 @@ def _in_executor(
                 future.cancel()
         return True
 
-    return _until_done(store, chosen, "executor", compute)
+    return _until_done(store, chosen, compute)
 
 
 def _outcome(store: TileStore, number: int, future: Future[str]) -> str:
@@ -283,14 +283,14 @@ def _complete(path: str, identity: str, number: int, patience: float) -> str:
 def _until_done(
     store: TileStore,
     chosen: Collection[int],
-    name: str,
     compute: Callable[[list[int], Callable[[int, str], None]], bool],
 ) -> bool:
     """Compute what is missing, pass by pass, until nobody has anything left to do.
 
-    Each worker takes tiles in an order of its own, so that they seldom meet.
+    Each worker takes tiles in an order of its own, so that they seldom meet; no result depends on
+    it.
     """
-    order = np.random.default_rng(list(name.encode()))
+    order = np.random.default_rng()
     while True:
         settled = store.done() | set(store.failures())
         missing = [number for number in chosen if number not in settled]
@@ -324,15 +324,23 @@ def _chosen(store: TileStore, tiles: Sequence[int] | None) -> list[int]:
     return sorted(set(numbers))
 
 
-def _mend(store: TileStore, chosen: list[int]) -> None:
-    """Look at the tiles that are done; those that are damaged count as missing."""
-    damaged = []
-    done = store.done()
-    for number in chosen:
-        tile = store.at(number)
-        if number in done and (what := store.damaged(tile)):
-            damaged.append(f"tile {number} ({what})")
-            store.forget(tile)
+def _mend(store: TileStore, chosen: list[int], patience: float) -> None:
+    """Look at the tiles that are done; those that are damaged count as missing.
+
+    They are forgotten under a claim, as nobody may write a tile while its chunks are removed.
+    """
+    done, damaged = store.done(), []
+    suspects = [each for each in chosen if each in done and store.damaged(store.at(each))]
+    if not suspects:
+        return
+    with Claims(store, patience) as claims:
+        for tile in map(store.at, suspects):
+            if not claims.take(tile):
+                continue
+            if what := store.damaged(tile):
+                damaged.append(f"tile {store.number(tile)} ({what})")
+                store.forget(tile)
+            claims.release(tile)
     if damaged:
         more = f" and {len(damaged) - _MOST_NAMED} more" if len(damaged) > _MOST_NAMED else ""
         warnings.warn(
