@@ -6,6 +6,7 @@ import os
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -15,11 +16,10 @@ import xarray as xr
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, OptionError, ResultWarning, RunError, System
 from nonsmooth.cluster import claims as claims_file
-from nonsmooth.cluster import work as work_verb
 from nonsmooth.cluster.claims import Claims
 from nonsmooth.cluster.tile_store import TileStore
 
-work_file = __import__("sys").modules[work_verb.__module__]
+work_file = import_module("nonsmooth.cluster.work")  # the package has the verb by this name
 SHORT = {"transient": 30, "record": 20, "evidence": 20, "confirm": 0, "longest": 60}
 OVER = {"omega": np.linspace(0.7, 1.0, 7), "a": np.linspace(0.4, 1.0, 5)}
 

@@ -88,7 +88,8 @@ def _tiles(task: Task) -> list[int] | None:
 def _job_report(job: xr.Dataset) -> Report:
     """How far a job is, and what went wrong in it."""
     report = Report(str(job.attrs["store"]))
-    report.add("message", job.attrs["message"], status=job.attrs["status"])
+    message = str(job.attrs["message"])
+    report.add("message", message, message=message, status=job.attrs["status"])
     for name in ("tiles", "done", "claimed", "failed"):
         report.number(name, job[name].item())
     took, left = job["tile_seconds"].item(), job["time_left"].item()
