@@ -61,6 +61,7 @@ def test_a_tile_that_fails_is_told(call, store, monkeypatch):
     assert told(call("work", store, "--retry", "--json"))["failed"] == 0
 
 
+@pytest.mark.slow
 def test_a_plan_is_that_of_python(call, tmp_path):
     """The shell and a script plan the same job, so either may go on with it."""
     assert call(*PLAN, "--store", tmp_path / "m.zarr", "--tile", "2").exit_code == 0

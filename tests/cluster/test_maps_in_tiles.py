@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import shutil
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -38,6 +39,21 @@ def whole():
     return ns.regime_map(ns.models.soft_impact(zeta=0.03), OVER, **SHORT)
 
 
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """The map in tiles, all of which are done."""
+    store = plan(tmp_path_factory.mktemp("finished"))
+    job = ns.cluster.work(store, threads=2)
+    assert job.attrs["status"] == "completed" and int(job["done"]) == 6
+    return store
+
+
+@pytest.fixture
+def own(finished, tmp_path):
+    """A copy of it, to be damaged."""
+    return shutil.copytree(finished, tmp_path / "map.zarr")
+
+
 def assert_same(store, whole):
     """Bit for bit, with types, attributes and the words."""
     grid = ns.cluster.open_map(store).load()
@@ -55,14 +71,12 @@ def assert_same(store, whole):
     assert {key: grid.attrs[key] for key in told} == told
 
 
-def test_the_digits_are_those_of_one_process(tmp_path, whole):
-    store = plan(tmp_path)
-    job = ns.cluster.work(store, threads=2)
-    assert job.attrs["status"] == "completed" and int(job["done"]) == 6
-    assert_same(store, whole)
+def test_the_digits_are_those_of_one_process(finished, whole):
+    assert_same(finished, whole)
     assert set(np.unique(whole["regime"])) != {2}, "a map of one label would show little"
 
 
+@pytest.mark.slow
 def test_a_border_in_closed_form(tmp_path):
     """Critically damped, the steady amplitude is F / (1 + w^2); beyond 1.5 the motion stops."""
     system = System(
@@ -104,10 +118,9 @@ def test_what_is_not_done_reads_as_interrupted(tmp_path, whole):
     assert_same(store, whole)
 
 
-def test_pictures_take_it(tmp_path):
-    store = plan(tmp_path)
-    ns.cluster.work(store, threads=1)
-    grid = ns.cluster.open_map(store)
+@pytest.mark.slow
+def test_pictures_take_it(finished):
+    grid = ns.cluster.open_map(finished)
     ax = ns.plot.regime_map(grid.isel(omega=slice(None, None, 2)), words=True)
     assert ax.get_xlabel()
 
@@ -136,13 +149,11 @@ def test_a_tile_of_which_nothing_is_known_is_written_too(tmp_path):
         (lambda path: _flip(path), "the checksum of K is wrong"),
     ],
 )
-def test_a_damaged_chunk_is_told_and_computed_again(tmp_path, whole, harm, told):
-    store = plan(tmp_path)
-    ns.cluster.work(store, threads=2)
-    harm(store / "K" / "c" / "1" / "2")
+def test_a_damaged_chunk_is_told_and_computed_again(own, whole, harm, told):
+    harm(own / "K" / "c" / "1" / "2")
     with pytest.warns(ResultWarning, match=f"computed again: tile 5 .{told}"):
-        ns.cluster.work(store, threads=1)
-    assert_same(store, whole)
+        ns.cluster.work(own, threads=1)
+    assert_same(own, whole)
 
 
 def _flip(path):
@@ -152,13 +163,11 @@ def _flip(path):
     path.write_bytes(content)
 
 
-def test_a_torn_mark_does_not_count(tmp_path, whole):
-    store = plan(tmp_path)
-    ns.cluster.work(store, threads=1)
-    (store / "tiles" / "seconds" / "c" / "0" / "1").write_bytes(b"")
+def test_a_torn_mark_does_not_count(own, whole):
+    (own / "tiles" / "seconds" / "c" / "0" / "1").write_bytes(b"")
     with pytest.warns(ResultWarning, match="tile 1 .the checksum of tiles/seconds is wrong"):
-        ns.cluster.work(store, threads=1)
-    assert_same(store, whole)
+        ns.cluster.work(own, threads=1)
+    assert_same(own, whole)
 
 
 # ---------------------------------------------------------------- plans
@@ -181,6 +190,7 @@ def test_the_same_plan_goes_on_and_another_one_is_refused(tmp_path):
             ns.cluster.plan_map(store, system, over, **({"tile": 3, **SHORT} | more))
 
 
+@pytest.mark.slow
 def test_many_may_plan_the_same_job_at_once(tmp_path):
     gate, faults = threading.Barrier(6), []
 
@@ -299,6 +309,7 @@ def test_a_tile_that_fails_is_recorded_and_the_others_go_on(tmp_path, whole, mon
     assert_same(store, whole)
 
 
+@pytest.mark.slow
 def test_no_tile_is_begun_after_the_time(tmp_path, monkeypatch):
     store, compute = plan(tmp_path), work_file.tile_map
 
@@ -328,6 +339,7 @@ def test_an_interruption_keeps_what_is_done(tmp_path, whole, monkeypatch, interr
     assert_same(store, whole)
 
 
+@pytest.mark.slow
 def test_an_executor_gives_the_same_digits(tmp_path, whole):
     store = plan(tmp_path)
     with ThreadPoolExecutor(2) as pool:
@@ -427,6 +439,7 @@ def test_a_claim_that_was_made_anew_is_not_taken_away(two):
     assert [each.name for each in path.parent.iterdir()] == [path.name]
 
 
+@pytest.mark.slow
 def test_tiles_of_a_living_worker_are_waited_for(tmp_path, whole):
     """And taken over when it falls silent, though somebody has claimed all of them."""
     store = plan(tmp_path)
