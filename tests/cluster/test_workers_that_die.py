@@ -169,7 +169,7 @@ def test_a_forecast_is_right_within_thirty_percent(tmp_path, system, grid, more)
     for attempt in range(3):
         store = tmp_path / f"map-{attempt}.zarr"
         ns.cluster.plan_map(store, system, grid, tile=16, **more)
-        told = ns.cluster.forecast(store, sample=96, threads=1, seed=attempt)
+        told = ns.cluster.forecast(store, sample=160, threads=1, seed=attempt)
         job = ns.cluster.work(store, threads=1)
         ratios.append(float(told["seconds"]) / float(job["tile_seconds"] * job["tiles"]))
         if 0.7 < ratios[-1] < 1.3:

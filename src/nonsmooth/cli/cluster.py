@@ -57,9 +57,11 @@ def forecast(task: Task) -> None:
     report = Report(str(cost.attrs["store"]))
     report.add("forecast", cost.attrs["message"])
     values = {name: cost[name].item() for name in map(str, cost.data_vars)}
-    report.add("point", f"{1e3 * values['point_seconds']:.3g} ms in one thread", **values)
-    doubt = f"{values['seconds_error']:.2g} of {values['seconds']:.3g} s"
-    report.add("standard error", doubt, threads=cost.attrs["threads"])
+    report.data |= {"threads": cost.attrs["threads"], **values}
+    if values["points"]:
+        doubt = 100.0 * values["seconds_error"] / values["seconds"]
+        report.lines.append(("point", f"{1e3 * values['point_seconds']:.2g} ms in one thread"))
+        report.lines.append(("standard error", f"{doubt:.0f} % of the time"))
     task.finish(cost, report)
 
 

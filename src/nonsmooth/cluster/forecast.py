@@ -37,7 +37,7 @@ Floats = npt.NDArray[np.float64]
 
 
 def forecast(
-    store: str | Path, *, sample: int = 128, threads: int | None = None, seed: int = 0
+    store: str | Path, *, sample: int = 256, threads: int | None = None, seed: int = 0
 ) -> xr.Dataset:
     """Tell how long the rest of a map in tiles will take here, and how large its store will be.
 
@@ -92,7 +92,7 @@ def forecast(
     ...     )
     ...     cost = ns.cluster.forecast(f"{folder}/map.zarr", sample=8, threads=1)
     >>> print(cost.attrs["message"])
-    1200 points are left: about ... on 1 thread; the store takes at most ...
+    1200 points are left: ... on 1 thread; the store takes at most ...
     """
     import xarray as xr
 
@@ -115,7 +115,7 @@ def forecast(
     seconds, doubt = left * each / workers, left * error / workers
     threads_text = "1 thread" if workers == 1 else f"{workers} threads"
     message = (
-        f"{left} points are left: about {_duration(seconds)} on {threads_text}; the store takes"
+        f"{left} points are left: {_duration(seconds)} on {threads_text}; the store takes"
         f" {'about' if known else 'at most'} {size_text(size)}"
     )
     return xr.Dataset(
@@ -206,12 +206,9 @@ def _size(store: TileStore, done: set[int]) -> tuple[float, bool]:
 
 
 def _duration(seconds: float) -> str:
-    """A time in words, with two digits."""
+    """A time in words, with about two digits."""
     for length, unit in _UNITS:
         if seconds >= 2.0 * length:
-            return (
-                f"{seconds / length:.2g} {unit}"
-                if seconds < 10 * length
-                else (f"{seconds / length:.0f} {unit}")
-            )
-    return f"{seconds:.2g} s"
+            number = seconds / length
+            return f"about {number:.2g} {unit}" if number < 10.0 else f"about {number:.0f} {unit}"
+    return "less than 2 s" if seconds else "no time"
