@@ -58,7 +58,7 @@ PICTURE = {
     **{name: MOTION[name] for name in STATES}, "length": S, "residual": ONE, "settled": None,
     "strobes": None, "fraction": ONE, "fraction_error": ONE, "exponent": ONE,
     "exponent_error": ONE, "escape_rate_below": ONE, "unsettled": ONE, "ended": ONE,
-    "parameter": HERTZ, "eta": HERTZ, "special_value": HERTZ, "arclength": ONE,
+    "parameter": HERTZ, "eta": HERTZ, "special_value": HERTZ, "arclength": ONE, "leg_time": S,
 }  # fmt: skip
 CONTACT = {
     "contacts": ONE, "contact_share": ONE, "contact_duration": S, "shortest_contact": S,
@@ -274,6 +274,7 @@ RESULTS = {
                        | {"normal_force": N}),
 }  # fmt: skip
 NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motion of their own
+    "structures", "Structure", "cluster",
     "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "excitation", "fatigue",
     "continuation", "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
     "Surface", "smoothed", "smoothing_report", "mirrored_orbit", "fit", "posterior", "explore",
