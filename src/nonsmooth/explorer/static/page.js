@@ -16,8 +16,12 @@ let link = "";
 let workTimer = 0;
 window.explorer = { gestures, timings, painted: {}, work };
 
+// An address that the visitor has given stays until it is read.
+let written = location.hash;
 function writeAddress() {
-  if (location.hash !== link) history.replaceState(null, "", link);
+  if (location.hash !== written || location.hash === link) return;
+  history.replaceState(null, "", link);
+  written = location.hash;
 }
 
 // Writes a text where it differs: to write it again would lay the page out anew.
@@ -302,6 +306,7 @@ document.addEventListener("keydown", (event) => {
 
 // A link that is pasted into the same page, and the buttons of the browser.
 window.addEventListener("hashchange", () => {
+  written = location.hash;
   if (location.hash !== link) send({ do: "link", link: location.hash });
 });
 
