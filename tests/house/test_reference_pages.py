@@ -18,8 +18,14 @@ BESIDE = ("nonsmooth_chapter",)
 
 
 def public_names() -> set[str]:
-    """Full names of all functions, classes and values that users import."""
-    names = {f"nonsmooth.{name}" for name, thing in exported() if not isinstance(thing, ModuleType)}
+    """Full names of all functions, classes and values that users import.
+
+    What has a short name beside that of its module has one page, that of the module.
+    """
+    things = [(name, thing) for name, thing in exported() if not isinstance(thing, ModuleType)]
+    in_modules = {id(thing) for name, thing in things if "." in name and inspect.isclass(thing)}
+    names = {f"nonsmooth.{name}" for name, thing in things
+             if "." in name or id(thing) not in in_modules}  # fmt: skip
     for module in BESIDE:
         names |= {f"{module}.{name}" for name in importlib.import_module(module).__all__}
     return names

@@ -71,7 +71,7 @@ class Structure:
     See Also
     --------
     nonsmooth.structures.shaft : a structure made of beams, discs and bearings.
-    Bearing : stiffness and damping that may depend on the speed.
+    nonsmooth.structures.Bearing : stiffness and damping that may depend on the speed.
 
     Notes
     -----
