@@ -18,14 +18,24 @@ import nonsmooth
 PACKAGE = "nonsmooth."
 
 
-def public_names() -> set[str]:
-    """Full names of all that users can import, and of the modules that hold it."""
-    names = set()
+def public_names() -> dict[str, str]:
+    """Full names of all that users can import, and of the modules that hold it, with their pages.
+
+    A class that has a short name beside that of its module has the page of the module.
+    """
+    names, places = {}, {}
     for name in nonsmooth.__all__:
-        names.add(PACKAGE + name)
+        names[PACKAGE + name] = PACKAGE + name
         thing = getattr(nonsmooth, name)
         if isinstance(thing, ModuleType):
-            names |= {f"{PACKAGE}{name}.{inner}" for inner in thing.__all__}
+            for inner in thing.__all__:
+                full = f"{PACKAGE}{name}.{inner}"
+                names[full] = full
+                places[id(getattr(thing, inner))] = full
+    for name in nonsmooth.__all__:
+        thing = getattr(nonsmooth, name)
+        if isinstance(thing, type) and id(thing) in places:
+            names[PACKAGE + name] = places[id(thing)]
     return names
 
 
@@ -57,7 +67,7 @@ class PublicName(SphinxRole):
         text = self.text.removeprefix("ns.").removesuffix("()")
         for full in (text, PACKAGE + text, f"{here}.{text}"):
             if full in self.names:
-                return full
+                return self.names[full]
         return None
 
 
