@@ -76,4 +76,14 @@ def _mat(path: Path) -> dict[str, Any]:
         ) from None
     except (*_FAULTS, MatReadError) as error:
         raise ModelError(f"path: {path.name} cannot be read as .mat: {error}") from None
-    return {name: array for name, array in found.items() if not name.startswith("__")}
+    return {name: _texts(array) for name, array in found.items() if not name.startswith("__")}
+
+
+def _texts(array: Any) -> Any:
+    """Texts of a cell array, each of which is an array of its own; other arrays as they are."""
+    if getattr(array, "dtype", np.dtype(float)).kind != "O":
+        return array
+    cells = [np.ravel(each) for each in np.ravel(array)]
+    if not all(each.size == 1 and each.dtype.kind == "U" for each in cells):
+        return array
+    return np.array([str(each[0]) for each in cells])

@@ -8,6 +8,9 @@ from scipy.optimize import fsolve
 import nonsmooth as ns
 from nonsmooth.structures import (
     BaseMotion,
+    Beam,
+    Bearing,
+    Disc,
     DryFriction,
     Force,
     GapSpring,
@@ -18,6 +21,7 @@ from nonsmooth.structures import (
     Weight,
     machine,
     reduce,
+    shaft,
 )
 from structures.contact_truth import Bench, Spring, Wall, chain
 
@@ -471,3 +475,57 @@ def test_faults_name_what_is_wrong():
     large = ns.Structure(np.eye(300), np.eye(300))
     with pytest.raises(ns.OptionError, match="at most 255 can run"):
         machine(large)
+
+
+def overhung(modes):
+    """A disc beside two bearings, whose highest modes die away within a few revolutions."""
+    rotor = shaft(
+        [Beam(0.1, 0.04)] * 8,
+        discs=[Disc(8, 25.0, 0.35, 0.65)],
+        bearings=[Bearing([f"{node}x", f"{node}y"], 7e6, 150.0) for node in (0, 5)],
+    )
+    return reduce(rotor, ["8x", "8y"], modes=modes)
+
+
+@pytest.mark.parametrize("modes", [2, 12])
+@pytest.mark.parametrize("transient", [0, 200])
+def test_the_orbit_of_a_linear_rotor_is_that_of_its_matrices(modes, transient):
+    """Also from a settled motion, in which high modes have almost no size."""
+    rotor = machine(overhung(modes), [], [Unbalance("8x", "8y", 1e-3)], Omega=590.0)
+    for speed in (200.0, 400.0, 590.0):
+        orbit = ns.find_orbit(rotor, parameters={"Omega": speed}, transient=transient)
+        assert orbit.attrs["status"] == "completed"
+        run = ns.simulate(rotor, orbit, periods=1, parameters={"Omega": speed})
+        for name in rotor.states:
+            size = float(np.abs(run[name]).max())
+            assert float(run[name][-1]) == pytest.approx(float(orbit[name]), abs=1e-8 * size)
+
+
+@pytest.mark.parametrize(
+    ("contact", "said"),
+    [
+        (
+            GapSpring("x", gap=-0.1, stiffness=8.0, side="both"),
+            "overlap are two contacts",
+        ),
+        (Stop("x", gap=0.1, restitution=1.5), "an impact adds no energy"),
+    ],
+)
+def test_contacts_that_would_not_be_what_they_say(contact, said):
+    mass = ns.Structure([[1.0]], [[1.0]], coordinates=["x"])
+    with pytest.raises(ns.ModelError, match=said):
+        machine(mass, [contact])
+
+
+def test_a_number_of_a_part_is_given_once():
+    mass = ns.Structure([[1.0]], [[1.0]], coordinates=["x"])
+    spring = GapSpring("x", gap=0.1, stiffness=8.0)
+    with pytest.raises(ns.OptionError, match="'spring1_gap' is a number of a contact or load"):
+        machine(mass, [spring], parameters={"spring1_gap": 3.0})
+
+
+def test_a_speed_beyond_those_of_the_estimate_is_told():
+    load = Unbalance("8x", "8y", 1e-3)
+    small = reduce(overhung(2).structure, ["8x", "8y"], frequency_range=(0, 3000))
+    with pytest.warns(ns.ResultWarning, match="estimated at speeds up to 0 rad/s"):
+        machine(small, [], [load], Omega=1400.0)

@@ -217,3 +217,12 @@ def test_what_cannot_be_computed_is_refused():
         natural_modes(ns.Structure(np.ones((2, 2)), np.eye(2)))
     with pytest.raises(ns.OptionError, match="count = 0 must be"):
         natural_modes(chain(4), count=0)
+
+
+def test_forward_is_the_sense_in_which_the_shaft_turns():
+    """The mirror image of a shaft that turns the other way has the same words."""
+    disc = ns.Structure(
+        np.eye(2), 4.0 * np.eye(2), gyroscopic=[[0.0, 0.3], [-0.3, 0.0]], coordinates=["1x", "1y"]
+    )
+    words = [natural_modes(disc, speed)["direction"].values.tolist() for speed in (5.0, -5.0)]
+    assert words[0] == words[1] and set(words[0]) == {"forward", "backward"}

@@ -215,3 +215,9 @@ def test_names_and_numbers_of_coordinates():
         full().index("2rz")
     with pytest.raises(ns.OptionError, match="no coordinate -1"):
         full().index(-1)
+
+
+def test_names_in_a_cell_array_of_matlab(tmp_path):
+    names = np.array([["1x", "1y"]], dtype=object)
+    scipy.io.savemat(tmp_path / "disc.mat", {"M": np.eye(2), "K": np.eye(2), "coordinates": names})
+    assert ns.Structure.from_files(tmp_path / "disc.mat").coordinates == ("1x", "1y")

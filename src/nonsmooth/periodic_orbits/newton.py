@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import lapack
+from scipy.linalg import lapack, matrix_balance
 
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError
@@ -24,6 +24,7 @@ _CLOSED = 1e-10  # residual, beside the states, of a solution
 _FURTHER = 4  # steps of an orbit that is found already
 _BACKWARDS = 0.05  # part of the turn by which a leg may last less than nothing on the way
 AT_ZERO = 1e-12  # states below which an orbit is one at rest at zero, and has no size of its own
+_PLACES = np.arange(1, 8) / 8.0  # in a turn, at which states are looked at for their sizes
 _SINGULAR = 1e-15  # reciprocal condition of the scaled Jacobian
 
 
@@ -41,7 +42,7 @@ def solve_orbit(
     equations: OrbitEquations, unknowns: Floats, *, steps: int = _MOST_STEPS
 ) -> Solution:
     """Solve for the unknowns from a guess; steps are halved where the residual would grow."""
-    scale = scale_of(equations, unknowns)
+    scale = _scale_along(equations, unknowns)
     try:
         residual, jacobian, _ = equations.evaluate(unknowns)
     except LegError:
@@ -76,7 +77,9 @@ def solve_orbit(
             part *= 0.5
         else:
             equations.evaluate(unknowns)
-            return Solution(unknowns, size, iteration, "no_orbit")
+            # of states that have died away rounding is no small part
+            closed = "completed" if size <= _CLOSED else "no_orbit"
+            return Solution(unknowns, size, iteration, closed)
         assert found is not None
         unknowns, size, last = new, size_there, length
         residual, jacobian = found
@@ -121,6 +124,23 @@ def scale_of(equations: OrbitEquations, unknowns: Floats) -> Floats:
     )
 
 
+def _scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:
+    """The same, from more of the turn than where its legs begin: a state may pass zero there."""
+    scale, turn = scale_of(equations, unknowns), equations.unpack(unknowns)
+    length = float(turn.instants[-1] - turn.instants[0])
+    if not (np.all(turn.durations > 0.0) and np.isfinite(length)):
+        return scale
+    try:
+        states = equations.states_along(turn, turn.instants[0] + length * _PLACES)
+    except LegError:
+        return scale
+    count, n = len(equations.word), equations.legs.n
+    size = np.abs(states - np.where(equations.drifting, states, 0.0)).max(axis=0)
+    size = np.where(np.isfinite(size), size, 0.0)
+    scale[: count * n] = np.maximum(scale[: count * n], np.tile(size, count))
+    return scale
+
+
 def row_scale(equations: OrbitEquations, scale: Floats, jacobian: Floats) -> Floats:
     """What counts as large for each equation: a state, or what a guard changes by."""
     n_states = equations.legs.n * len(equations.word)
@@ -137,7 +157,20 @@ def size_of(residual: Floats, rows: Floats) -> float:
 
 
 def _solve(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
-    """Solve a linear system; whether it is far enough from singular."""
+    """Solve a linear system; whether it is far enough from singular.
+
+    States that have died away make units that differ by many powers of ten, and with them a regular
+    matrix look singular: before it is called so, it is balanced.
+    """
+    solution, well = _solve_as_it_is(matrix, right)
+    if well or not np.all(np.isfinite(matrix)):
+        return solution, well
+    balanced, (scale, _) = matrix_balance(matrix, permute=False, separate=True)
+    solution, well = _solve_as_it_is(balanced, right / scale)
+    return solution * scale, well
+
+
+def _solve_as_it_is(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
     factors, pivots, info = lapack.dgetrf(matrix)
     if info != 0 or not np.all(np.isfinite(factors)):
         return right, False

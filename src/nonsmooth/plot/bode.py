@@ -57,7 +57,8 @@ def unbalance_response(
     -------
     list of matplotlib.axes.Axes
         Two axes, that of the amplitude above that of the phase, or one of the polar plot. A
-        negative phase lags behind the unbalance.
+        negative phase lags behind the angle 0 of the shaft, from which the phases of unbalances
+        count too.
 
     Raises
     ------
@@ -229,7 +230,7 @@ def _polar(over: xr.DataArray, curves: dict[str, Array], ax: Axes | None, legend
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(0.12)
     units = over.attrs.get("units", "")
-    finish_axes(ax, "in phase with the unbalance [m]", "a quarter of a turn ahead [m]")
+    finish_axes(ax, "in phase with the angle 0 of the shaft [m]", "a quarter of a turn ahead [m]")
     ax.set_title(f"speeds in {units}", fontsize=size, loc="right")
     if legend and len(curves) > 1:
         place_legend(ax)

@@ -96,6 +96,8 @@ class Stop:
             f"{name}_restitution", self.restitution, f"coefficient of restitution of {name}",
             ">= 0", "a rebound leads away from the stop",
         )  # fmt: skip
+        if not isinstance(self.restitution, str):
+            made.require[f"{r} <= 1"] = "an impact adds no energy"
         resets = _rebounds(where, f"(1 + {r})", place)
         if len(where.factors) == 1 and len(resets) == 1:
             resets = {each: f"-{r}*{each}" for each in resets}
@@ -150,7 +152,8 @@ class GapSpring:
     coordinate : str or tuple of str
         The coordinate, or two of which the second is subtracted; the force then acts between them.
     gap : float or str
-        Displacement at which the spring begins; may be negative, which is a preload.
+        Displacement at which the spring begins; may be negative, which is a preload, but with
+        ``side="both"``: two springs that overlap are two contacts.
     stiffness : float or str
         Its stiffness.
     damping : float or str, optional
@@ -202,7 +205,11 @@ class GapSpring:
         """What the spring adds to the equations of a machine."""
         made = Contribution()
         where = SumOfCoordinates.read(f"{name}: coordinate", self.coordinate, place)
-        gap = made.value(f"{name}_gap", self.gap, f"gap of {name}")
+        both = self.side == "both"
+        gap = made.value(
+            f"{name}_gap", self.gap, f"gap of {name}", ">= 0" if both else "",
+            "springs on both sides that overlap are two contacts: give one spring above, one below",
+        )  # fmt: skip
         stiffness = made.value(
             f"{name}_stiffness", self.stiffness, f"stiffness of {name}",
             ">= 0", "a spring with a negative stiffness pulls",

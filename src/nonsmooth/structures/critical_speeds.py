@@ -132,7 +132,10 @@ def campbell(
         followed.likeness,
         {"long_name": "modal assurance criterion with the speed before", "units": "1"},
     )
-    whirl = [whirl_of(vectors, structure.coordinates) for vectors in followed.vectors]
+    whirl = [
+        whirl_of(vectors, structure.coordinates, float(speed))
+        for speed, vectors in zip(axis, followed.vectors, strict=True)
+    ]
     if whirl[0] is not None:
         variables |= whirl_variables(dims, np.array(whirl))
     variables |= _critical_variables(crossings)
@@ -178,7 +181,7 @@ def _critical_speeds(
         for row, mode in np.argwhere(crossed):
             between = _Between(structure, path, int(row), int(mode))
             speed, value, vector = between.crossing(float(harmonic))
-            whirl = whirl_of(vector[:, None], structure.coordinates)
+            whirl = whirl_of(vector[:, None], structure.coordinates, speed)
             share = np.nan if whirl is None else float(whirl[0])
             found.append(_Crossing(speed, value, int(mode) + 1, float(harmonic), share))
     return sorted(found, key=lambda each: (each.speed, each.mode))

@@ -25,7 +25,8 @@ class Force:
     Parameters
     ----------
     coordinate : str
-        Any coordinate of the structure; it need not be kept.
+        Any coordinate of the structure; it need not be kept. Give it in ``driven=`` of `reduce`,
+        so that the estimate of the error counts it.
     force : float or str
         The force, such as ``"F*cos(omega*t)"`` or the name of a measured signal.
     name : str, optional
@@ -68,7 +69,7 @@ class Unbalance:
     Parameters
     ----------
     x, y : str
-        Coordinates on which it acts; they need not be kept.
+        Coordinates on which it acts; they need not be kept, but given in ``driven=`` of `reduce`.
     moment : float or str
         Mass times eccentricity.
     phase : float or str, optional

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 from typing import Any
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.errors import ModelError, OptionError, ResultWarning, unknown_name
 from nonsmooth.real_numbers import finite_numbers, shown
 from nonsmooth.structures.contacts import DryFriction, GapSpring, Stop
 from nonsmooth.structures.contributions import Attachment, Contribution, RingModes
@@ -159,7 +160,14 @@ def machine(
     ]
     words = _words(place, linear, parts, outputs)
     turns = linear.turns or any(part.turns for part in parts)
-    words["parameters"] = _speed(turns, Omega) | dict(parameters or {}) | words["parameters"]
+    own = dict(parameters or {})
+    if taken := [name for name in own if name in words["parameters"]]:
+        raise OptionError(
+            f"parameters: {taken[0]!r} is a number of a contact or load; give it there, or change"
+            " it later by with_parameters"
+        )
+    words["parameters"] = _speed(turns, Omega) | own | words["parameters"]
+    _warn_of_speed(reduction, Omega)
     words["describe"] |= {"time": "time [s]"}
     if Omega is not None:
         words["describe"] |= {"Omega": "speed of the shaft [rad/s]"}
@@ -171,6 +179,22 @@ def machine(
         given = words.get(key)
         words[key] = {**given, **value} if isinstance(given, dict) else value
     return System(name=name, period=period, **words)
+
+
+def _warn_of_speed(reduction: ReducedStructure, Omega: Any) -> None:
+    """Tell where the error of a reduction was estimated at other speeds only."""
+    if reduction.estimate is None or reduction.structure.constant:
+        return
+    if Omega is None or isinstance(Omega, str):
+        return
+    highest = float(reduction.estimate["speed"].values.max())
+    if abs(float(Omega)) > 1.01 * highest:
+        warnings.warn(
+            f"structure: its error was estimated at speeds up to {highest:g} rad/s, and it turns at"
+            f" {float(Omega):g}; give the speeds that the machine will have by speeds= of reduce",
+            ResultWarning,
+            stacklevel=4,
+        )
 
 
 def _listed(where: str, given: Any, known: tuple[type, ...]) -> list[Any]:

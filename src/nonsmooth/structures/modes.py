@@ -97,7 +97,7 @@ def natural_modes(
         "mode": ("mode", np.arange(1, len(found.values) + 1), {"long_name": "mode"}),
         "coordinate": ("coordinate", list(structure.coordinates), {"long_name": "coordinate"}),
     }
-    whirl = whirl_of(shapes, structure.coordinates)
+    whirl = whirl_of(shapes, structure.coordinates, float(speed))
     if whirl is not None:
         variables |= whirl_variables("mode", whirl)
     attrs = {"speed": float(speed), "speed_units": "rad/s", "nonsmooth_version": __version__}

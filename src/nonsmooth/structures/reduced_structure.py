@@ -107,6 +107,9 @@ class ReducedStructure:
         if self.estimate is not None:
             worst, last = float(self.estimate["error"].max()), self.estimate["frequency"].values[-1]
             text += f"; error at most {worst:.3g} up to {last:.4g} rad/s"
+            if not self.structure.constant:
+                speeds = ", ".join(f"{each:.4g}" for each in self.estimate["speed"].values)
+                text += f", turning at {speeds} rad/s"
         return text + ")"
 
     @property

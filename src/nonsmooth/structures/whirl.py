@@ -28,11 +28,11 @@ def whirl_parts(amplitudes: Array, planes: Sequence[NodePlane]) -> tuple[Array, 
     return (x + 1j * y) / 2.0, (x - 1j * y) / 2.0
 
 
-def whirl_of(amplitudes: Array, names: Sequence[str]) -> Array | None:
+def whirl_of(amplitudes: Array, names: Sequence[str], speed: float) -> Array | None:
     """Share of forward less that of backward whirl in all nodes: 1 forward, -1 backward circles.
 
-    Of motions in which no node is displaced, it is that of the rotations. None where no node has
-    coordinates in both x and y.
+    Forward is the sense in which the shaft turns, from x to y at rest. Of motions in which no node
+    is displaced, it is that of the rotations. None where no node has coordinates in both x and y.
     """
     shares = []
     for kind in ("", "r"):
@@ -46,7 +46,8 @@ def whirl_of(amplitudes: Array, names: Sequence[str]) -> Array | None:
             shares.append(np.where(still, np.nan, (forward - backward) / whole))
     if not shares:
         return None
-    return np.where(np.isnan(shares[0]), shares[-1], shares[0])
+    found = np.where(np.isnan(shares[0]), shares[-1], shares[0])
+    return -found if speed < 0.0 else found
 
 
 def directions_of(whirl: Array) -> Array:
