@@ -318,7 +318,7 @@ def _message(columns: Sequence[Column], collector: BranchCollector, complete: bo
     if horizons:
         where = sum(any(one.chaotic_for for one in each.attractors) for each in columns)
         said.append(
-            f"chaos at {where} values may be a long transient:"
+            f"chaos at {where} value{'s' * (where > 1)} may be a long transient:"
             f" {said_of_chaos(min(horizons), 'period')}"
         )
     ended = sum(bool(np.any(column.labels < 0)) for column in columns)
