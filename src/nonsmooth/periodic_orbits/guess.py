@@ -381,7 +381,7 @@ def from_nearest_strobe(equations: OrbitEquations, turn: Turn, wanted: Floats) -
     if equations.autonomous or equations.period == 1 or not np.any(free):
         return None
     try:
-        strobes = _strobes(equations, turn)
+        strobes = equations.strobes(turn)
     except LegError:
         return None
     scale = np.abs(np.vstack([strobes, turn.states, wanted])[:, free]).max(axis=0)
@@ -391,21 +391,6 @@ def from_nearest_strobe(equations: OrbitEquations, turn: Turn, wanted: Floats) -
     if not distance[nearest] < _NEARER * distance[0]:
         return None
     return _turned(equations, turn, nearest, strobes[nearest])
-
-
-def _strobes(equations: OrbitEquations, turn: Turn) -> Floats:
-    """States at the section, one for each period of the turn."""
-    window, word = equations.legs.window, equations.word
-    times = turn.instants[0] + window * np.arange(equations.period)
-    legs = np.searchsorted(turn.instants[1:-1], times, side="right")
-    strobes = np.empty((equations.period, turn.states.shape[1]))
-    strobes[0] = turn.states[0]
-    for k in range(1, equations.period):
-        ends = turn.instants[1:].copy()
-        ends[legs[k]] = times[k]
-        found = equations.legs.follow_each(word, turn.states, turn.instants[:-1], ends)
-        strobes[k] = found.ends[legs[k]]
-    return strobes
 
 
 def _turned(equations: OrbitEquations, turn: Turn, later: int, strobe: Floats) -> Guess:

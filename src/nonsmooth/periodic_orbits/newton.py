@@ -125,7 +125,7 @@ def scale_of(equations: OrbitEquations, unknowns: Floats) -> Floats:
 
 
 def _scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:
-    """The same, from more of the turn than where its legs begin: a state may pass zero there."""
+    """The same, with states looked at between the starts of legs too, where one may be zero."""
     scale, turn = scale_of(equations, unknowns), equations.unpack(unknowns)
     length = float(turn.instants[-1] - turn.instants[0])
     if not (np.all(turn.durations > 0.0) and np.isfinite(length)):
@@ -135,7 +135,7 @@ def _scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:
     except LegError:
         return scale
     count, n = len(equations.word), equations.legs.n
-    size = np.abs(states - np.where(equations.drifting, states, 0.0)).max(axis=0)
+    size = np.where(equations.drifting, 0.0, np.abs(states)).max(axis=0)
     size = np.where(np.isfinite(size), size, 0.0)
     scale[: count * n] = np.maximum(scale[: count * n], np.tile(size, count))
     return scale
