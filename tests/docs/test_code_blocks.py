@@ -31,7 +31,7 @@ LONG = {
     "case-studies/published-impacts.md", "case-studies/published-friction-and-gears.md",
     "case-studies/published-chapter.md",
 }  # fmt: skip
-DRAWN = {"tutorials", "case-studies", "explanation", "figures.md", "structures.md",
+DRAWN = {"tutorials", "case-studies", "machines", "explanation", "figures.md", "structures.md",
          "machines-with-contacts.md"}  # fmt: skip
 
 

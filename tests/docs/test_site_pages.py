@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).parents[2] / "docs"
-FOLDERS = ("tutorials", "how-to", "case-studies", "explanation")
+FOLDERS = ("tutorials", "how-to", "case-studies", "machines", "explanation")
 MADE = "auto_gallery/index"  # when the site is built
 
 
