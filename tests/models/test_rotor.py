@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
-from nonsmooth.models import rotor, snubber_ring
+from nonsmooth.models import massive_ring_rotor, rotor, snubber_ring
 
 PRELOADS = [(0.1, 0.1), (0.0, 0.0), (0.3, 0.05), (0.0, 0.2)]
 
@@ -173,3 +174,95 @@ def test_rings_that_always_tell_what_comes_next(model, preload):
         )
         run = ns.simulate(system, {"x": 0.5, "vy": 0.3}, periods=20, samples_per_period=1)
         assert run.attrs["status"] == "completed" and run.attrs["n_events"] > 5
+
+
+UNEQUAL = [(0.1, 0.0), (0.0, 0.1), (0.05, 0.3)]
+
+
+def rides(run):
+    """Instants between which the ring rides on the rotor."""
+    names = run["event_to"].attrs["flag_meanings"].split()
+    times = run["event_time"].values
+    modes = [names[int(mode)] for mode in run["event_to"].values]
+    return [times[k : k + 2] for k in range(len(times) - 1) if modes[k] == "riding"]
+
+
+@pytest.mark.parametrize("preloads", UNEQUAL)
+@pytest.mark.parametrize("nu2", [0.002, 0.3])
+def test_unequal_preloads_have_a_motion(preloads, nu2):
+    run = ns.simulate(rotor(delta_x=preloads[0], delta_y=preloads[1], nu2=nu2), periods=60)
+    assert run.attrs["status"] == "completed"
+    found = rides(run)
+    if 0.0 in preloads:
+        assert len(found) > 10
+    # the ring is free before it has relaxed
+    assert all(end - begin < 2.0 * nu2 / 30.0 for begin, end in found)
+
+
+@pytest.mark.parametrize("preloads", UNEQUAL[:2])
+def test_a_riding_ring_follows_its_dampers(preloads):
+    """Force balance of a ring without mass, pushed along the normal, by DOP853."""
+    nu2, stiffness = 0.3, 30.0
+    system = rotor(delta_x=preloads[0], delta_y=preloads[1], nu2=nu2)
+    p = system.parameter_values
+    found = rides(ns.simulate(system, periods=20))
+    assert len(found) > 3
+
+    def ring(w):
+        s, preload = w[4:6], np.array(preloads)
+        springs = np.where(np.abs(s) > preload, 1.0, 2.0)
+        pull = springs * s + np.where(np.abs(s) > preload, np.sign(s) * preload, 0.0)
+        normal = w[:2] - s
+        # unknown: rates of the ring, push; balance along both axes, and no approach
+        matrix = np.zeros((3, 3))
+        matrix[0, 0], matrix[1, 1] = 2.0 * nu2 * springs
+        matrix[:2, 2], matrix[2, :2] = -normal, normal
+        return np.linalg.solve(matrix, [*(-stiffness * pull), normal @ w[2:4]]), normal
+
+    def flow(t, w):
+        (vx, vy, push), normal = ring(np.asarray(w))
+        angle = p["eta"] * t
+        drive = p["eta_m"] * p["rho"] * p["eta"] ** 2
+        ax = drive * np.cos(angle) - 2 * p["nu1"] * w[2] - (w[0] - p["eps_x"]) - push * normal[0]
+        ay = drive * np.sin(angle) - 2 * p["nu1"] * w[3] - (w[1] - p["eps_y"]) - push * normal[1]
+        return [w[2], w[3], ax, ay, vx, vy]
+
+    def pushes(t, w):
+        return ring(np.asarray(w))[0][2]
+
+    pushes.terminal, pushes.direction = True, -1
+    for begin, end in found:
+        start = ns.simulate(system, times=[begin])
+        state = [float(start[name][0]) for name in ("x", "y", "vx", "vy", "sx", "sy")]
+        truth = solve_ivp(
+            flow, (begin, begin + 0.1), state, "DOP853", events=pushes, rtol=1e-12, atol=1e-14
+        )
+        # the push is of the size of rounding over the rate at which it falls
+        assert abs(float(truth.t_events[0][0]) - end) < 1e-9
+
+
+@pytest.mark.parametrize("preloads", UNEQUAL[:2])
+def test_a_light_ring_tends_to_the_one_without_mass(preloads):
+    """In proportion to its mass, and to the damping, which statics leave out along the rotor."""
+    words = {"delta_x": preloads[0], "delta_y": preloads[1], "nu2": 2e-4}
+    times = np.linspace(0.0, 12.0, 121)
+    limit = ns.simulate(rotor(**words), times=times)
+    assert len(rides(limit)) > 0
+    apart = [
+        float(abs(ns.simulate(massive_ring_rotor(**words, m_s=mass), times=times)["x"]
+                  - limit["x"]).max())
+        for mass in (1e-3, 1e-4, 1e-5)
+    ]  # fmt: skip
+    assert apart[0] > 5.0 * apart[1] > 25.0 * apart[2]
+
+
+def test_a_ring_without_damping_in_other_forms():
+    """A machine in SI units and one by its matrices take it as one that returns at once."""
+    limit = ns.simulate(rotor(ring="returns"), periods=10)
+    machine = ns.models.MatrixRotor(
+        mass=np.eye(2), stiffness=np.eye(2), damping=0.25 * np.eye(2), ring=(0, 1),
+        unbalance=[(0, 1, 0.0017 * 70.0)], load=[0.9, 0.0],
+    ).system(Omega=2.442, k_s=30.0, c_s=0.0, delta_x=0.1, delta_y=0.1)  # fmt: skip
+    assert "c_s" not in machine.parameters
+    run = ns.simulate(machine, periods=10)
+    assert np.abs(run["x"].values - limit["x"].values).max() < 1e-11

@@ -236,7 +236,7 @@ def test_from_si_undoes_to_si():
     [
         ("mass", 0.0, "mass = 0 must be positive"),
         ("gap", 0.0, "gap = 0 must be positive: lengths"),
-        ("ring_damping", 0.0, "returns at once"),
+        ("ring_damping", -0.1, "ring_damping = -0.1 must not be negative.*returns at once"),
         ("rotor_damping", -1.0, "rotor_damping = -1 must not be negative"),
         ("preload_x", -0.1, "preload_x = -0.1 must not be negative: a preload presses"),
         ("preload_y", -0.1, "preload_y"),

@@ -35,7 +35,8 @@ def test_ring_stands_off_the_normal_by_the_angle_of_friction(f, angle, springs, 
 def test_without_friction_it_is_the_rotor():
     one, two = (ns.simulate(system, periods=20) for system in (rotor(), snubber_rub(f=0)))
     assert one.attrs["n_events"] == two.attrs["n_events"] > 20
-    assert np.abs(one["x"].values - two["x"].values).max() < 1e-12
+    # rounding of other sums, times the growth of the tangent over twenty periods
+    assert np.abs(one["x"].values - two["x"].values).max() < 1e-11
 
 
 @pytest.mark.parametrize("delta", [0.0, 0.1])

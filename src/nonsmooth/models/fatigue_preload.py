@@ -192,10 +192,7 @@ def _kept(system: System, motion: str, periods: int) -> Callable[[float, float],
     from nonsmooth.runs.simulate import simulate
 
     def kept(f1: float, f2: float) -> bool:
-        try:
-            changed = system.with_parameters(f1=f1, f2=f2)
-        except ModelError:
-            return False  # at rest a mass does not press
+        changed = system.with_parameters(f1=f1, f2=f2)
         if motion == "start-up":
             run = simulate(changed, periods=periods, samples_per_period=1)
             if first_loss(run) is not None:

@@ -80,7 +80,7 @@ def fatigue_rig(
     Two equal masses on leaf springs press a bending specimen from above (mass 1) and from below
     (mass 2), each backed by a pneumatic cylinder, while the base moves by
     :math:`A_b \sin \Omega t`. Displacements are relative to the base, count from the position of
-    rest in which both masses press, and are positive downward, as is the load: a positive one opens
+    rest, and are positive downward, as is the load: a positive one opens
     the crack. Lengths are in units of :math:`A_b`, time in :math:`1/\omega_{Ls}`, forces in
     :math:`k_{Ls} A_b`. With the contact forces
     :math:`R_1 = \max(X_1 - X_3 + \Delta_1, 0)/\epsilon` and
@@ -105,6 +105,11 @@ def fatigue_rig(
         \gamma = \frac{f_1 - f_2}{2 + \vartheta^2 (1 + \epsilon)}, \quad
         \Delta_1 = \frac{\epsilon (f_1 - \gamma)}{1 + \epsilon}, \quad
         \Delta_2 = -\frac{\epsilon (f_2 + \gamma)}{1 + \epsilon}.
+
+    Forces that are too small let a mass off the specimen at rest. A mass that does not press stands
+    at a distance from it: its contact force is zero, and :math:`\Delta_1 = f_1 - \gamma` is
+    negative, or :math:`\Delta_2 = -(f_2 + \gamma)` positive. With one mass on it the specimen is bent by
+    :math:`\gamma = (\max(f_1, 0) - \max(f_2, 0))/(1 + \vartheta^2 (1 + \epsilon))`.
 
     An edge crack lowers the stiffness of the specimen to ``open_stiffness`` times
     :math:`\vartheta^2` while its deflection :math:`X_3 + \gamma` is positive; at rest it is open
@@ -152,8 +157,8 @@ def fatigue_rig(
     ------
     ModelError
         When ``eta``, ``theta``, ``eps``, ``xi_s`` or ``open_stiffness`` is not positive, the last
-        is above one, another damping ratio, ``lambda1`` or ``lambda2`` is negative, a mass does
-        not press on the specimen at rest, or ``base`` is no signal.
+        is above one, another damping ratio, ``lambda1`` or ``lambda2`` is negative, or ``base`` is
+        no signal.
 
     See Also
     --------
@@ -231,11 +236,9 @@ def fatigue_rig(
             )
         shaking, more = "-shaker", {"signals": {"shaker": base}}
         del parameters["eta"], labels["eta"], require["eta > 0"]
-    share = f"(f1 - f2)/(2 + {at_rest}*(1 + eps))"
-    require |= {
-        f"f1 > {share}": "at rest mass 1 must press on the specimen; raise f1",
-        f"f2 > -{share}": "at rest mass 2 must press on the specimen; raise f2",
-    }
+    # deflection at rest with both masses on the specimen, and with one of them or none
+    both = f"(f1 - f2)/(2 + {at_rest}*(1 + eps))"
+    one = f"(max(f1, 0) - max(f2, 0))/(1 + {at_rest}*(1 + eps))"
     return System(
         name="fatigue_rig",
         states=["X1", "X2", "X3", "X4", "X5"],
@@ -243,9 +246,10 @@ def fatigue_rig(
         require=require,
         describe=labels,
         definitions={
-            "gamma": share,
-            "Delta1": "eps*(f1 - gamma)/(1 + eps)",
-            "Delta2": "-eps*(f2 + gamma)/(1 + eps)",
+            "gamma": f"where(min(f1 - {both}, f2 + {both}) > 0, {both}, {one})",
+            # a contact that is open at rest has a gap, one that is closed an approach
+            "Delta1": "where(f1 > gamma, eps/(1 + eps), 1)*(f1 - gamma)",
+            "Delta2": "-where(f2 > -gamma, eps/(1 + eps), 1)*(f2 + gamma)",
             "delta1": "gamma + Delta1",
             "delta2": "gamma + Delta2",
             "shaking": shaking,

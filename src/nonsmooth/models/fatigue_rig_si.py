@@ -18,7 +18,7 @@ from nonsmooth.models.fatigue_one_mass import Lumped, breathing, check_one_mass,
 from nonsmooth.models.fatigue_preload import least_preload
 from nonsmooth.models.fatigue_reduction import Version
 from nonsmooth.models.fatigue_rig import fatigue_rig
-from nonsmooth.models.fatigue_rigs.data import check_at_rest, data_of, parameters_of
+from nonsmooth.models.fatigue_rigs.data import data_of, parameters_of
 from nonsmooth.models.rigs.data import check_data, one_number
 from nonsmooth.models.rigs.scaling import (
     changed_parameters,
@@ -304,9 +304,6 @@ class FatigueRig:
 
         Raises
         ------
-        ModelError
-            When a cylinder does not press its mass on the specimen at rest, with the least force in
-            N.
         OptionError
             When ``base`` is no signal.
 
@@ -316,7 +313,6 @@ class FatigueRig:
         >>> ns.models.FatigueRig.from_dimensionless().system().name
         'fatigue_rig'
         """
-        check_at_rest(self)
         values: dict[str, Any] = self.parameters()
         if isinstance(base, Signal):
             units = self.units
@@ -614,7 +610,6 @@ class FatigueRig:
             return self._with_data(
                 result, {k: v for k, v in self.parameters().items() if k != "eta"}
             )
-        check_at_rest(self)
         units = self.units
         shaker = System.from_toml(data.attrs["system"]).signals.get("shaker")
         values: dict[str, Any] = self.parameters()

@@ -186,7 +186,8 @@ class MatrixRotor:
         Omega : float or str
             Speed of the rotor, in rad over the unit of time.
         k_s, c_s : float or str
-            Stiffness and damping of each of the ring's four springs and dampers.
+            Stiffness and damping of each of the ring's four springs and dampers. Without damping,
+            ``c_s=0``, a free ring is back at its centre at once.
         gamma : float or str, optional
             Radial clearance.
         eps_x, eps_y : float or str, optional
@@ -216,16 +217,18 @@ class MatrixRotor:
         >>> machine.system(Omega=2, k_s=30, c_s=0.01).states
         ('q0', 'q1', 'v0', 'v1', 'sx', 'sy', 'mu')
         """
+        damped = c_s != 0
         words = matrix_rotor_words(
             {name: getattr(self, name) for name in _MATRICES},
             self.ring,
             self.unbalance,
             np.asarray(self.load),
+            damped,
         )
         parameters: Mapping[str, Text] = {
             "Omega": Omega,
             "k_s": k_s,
-            "c_s": c_s,
+            **({"c_s": c_s} if damped else {}),
             "gamma": gamma,
             "eps_x": eps_x,
             "eps_y": eps_y,

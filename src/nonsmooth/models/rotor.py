@@ -82,7 +82,8 @@ def rotor(
     System
         States ``x y vx vy`` of the rotor, ``sx sy`` of the ring and the multiplier ``mu``.
         Phase words have ``free`` and in contact the chapter's regimes: ``II`` within both
-        preloads, ``III`` beyond that in x, ``IV`` beyond that in y, ``V`` beyond both. Outputs
+        preloads, ``III`` beyond that in x, ``IV`` beyond that in y, ``V`` beyond both, and
+        ``riding`` behind some releases, see notes. Outputs
         ``ring_vx ring_vy force_x force_y force contact_angle gap energy``; the force is that on
         the ring. What an initial state leaves out of ``sx sy mu`` stands where statics put it.
 
@@ -105,10 +106,17 @@ def rotor(
 
     The chapter's ring, without mass and with a damper on each spring, does not always tell what
     comes next. On release from III or IV, where one spring is at work along one axis and two along
-    the other, the free ring would move otherwise than the rotor asks for, and where it would move
-    into the rotor neither contact nor free flight holds: the run ends as ``undecided``. This is
-    rare with equal preloads and common with unequal ones, above all with one that is zero.
-    ``ring="returns"`` and `massive_ring_rotor` have no such releases.
+    the other, the free ring would move otherwise than the rotor asks for, and it may move into the
+    rotor. Then it rides on the rotor, which pushes it along the normal while springs and dampers
+    hold it back, until the push is zero:
+
+    .. math::
+
+        2\nu_2 a s_x' + K(\dots)_x = N (x - s_x), \quad (r - s) \cdot (r' - s') = 0,
+
+    likewise in y with b. It is free again within a small part of the time in which it relaxes. A
+    ring with a small mass moves so too. This is rare with equal preloads and common with unequal
+    ones, above all with one that is zero.
 
     References
     ----------

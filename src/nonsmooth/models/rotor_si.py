@@ -34,10 +34,6 @@ _POSITIVE = {
     "mass": "a mass is what the forces accelerate",
     "rotor_stiffness": "without it the rotor has no natural frequency to scale with",
     "ring_stiffness": "the ring stands on its springs",
-    "ring_damping": (
-        "without it a ring that the rotor has left would never come to rest; give a small damping"
-        " for a ring that returns at once"
-    ),
     "gap": "lengths are measured by it; a ring without clearance is a bearing, not a snubber",
     "speed": "the rotor must turn",
 }
@@ -45,6 +41,7 @@ _NOT_NEGATIVE = {
     "unbalance_mass": "turn the phase by pi to put it on the other side",
     "unbalance_radius": "turn the phase by pi to put the mass on the other side",
     "rotor_damping": "a damper takes energy out",
+    "ring_damping": "a damper takes energy out; 0 for a ring that returns at once",
     "preload_x": "a preload presses the springs on the ring; 0 where they just touch it",
     "preload_y": "a preload presses the springs on the ring; 0 where they just touch it",
 }
@@ -206,7 +203,8 @@ class RotorRig:
         Returns
         -------
         System
-            That of `rotor` with the parameters that follow from the scaling.
+            That of `rotor` with the parameters that follow from the scaling; without damping of
+            the ring, its form ``ring="returns"``.
 
         Examples
         --------
@@ -226,6 +224,9 @@ class RotorRig:
         'rotor'
         """
         values: dict[str, Any] = self.parameters()
+        if self.ring_damping == 0.0:
+            del values["nu2"]
+            return rotor(**values, ring="returns")
         return rotor(**values)
 
     @checked

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from nonsmooth.models.rotors.texts import rotor_words
-from nonsmooth.system.parts import Exit, Mode, Text
+from nonsmooth.system.parts import Exit, Text
 from nonsmooth.system.system import System
 
 __all__ = ["snubber_rub"]
@@ -118,18 +118,15 @@ def snubber_rub(
         "delta_y": delta_y,
         "phi0": phi0,
     }
-    base = rotor_words(values)
+    # friction tilts the force on the ring out of the normal
+    base = rotor_words(values, along=("nx - f*ny", "ny + f*nx"))
     slip = "eta*radius + nx*(vy - rate(sy)) - ny*(vx - rate(sx))"
-    free, contact = base["modes"]["free"], base["modes"]["contact"]
+    rolls = Exit("u", to="stop", name="rolling")
     modes = {
-        "free": replace(free, definitions=free.definitions | {"u": "0"}),
-        "contact": Mode(
-            contact.flow,
-            slaved=contact.slaved
-            | {"sx": "pull_x = mu*(nx - f*ny)", "sy": "pull_y = mu*(ny + f*nx)"},
-            exits=[*contact.exits, Exit("u", to="stop", name="rolling")],
-            cells=contact.cells,
-        ),
+        name: replace(mode, definitions=dict(mode.definitions) | {"u": "0"})
+        if name == "free"
+        else replace(mode, exits=[*mode.exits, rolls])
+        for name, mode in base["modes"].items()
     }
     more = {
         "parameters": {"f": f, "radius": radius},

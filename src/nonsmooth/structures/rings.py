@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from nonsmooth.models.rotors.matrices import ring_words
+from nonsmooth.models.rotors.texts import RingNames
 from nonsmooth.structures.contributions import (
     Attachment,
     Contribution,
@@ -235,7 +236,8 @@ class SnubberRing:
         for key, label, require, reason in _SNUBBER:
             made.value(f"{name}_{key}", getattr(self, key), f"{label} of {name}", require, reason)
         _centre(made, name, self, state_name(at_x), state_name(at_y))
-        words = ring_words(f"{name}_x", f"{name}_y")
+        ring = RingNames("k_s", "c_s", "gamma", "", "")
+        words = ring_words(f"{name}_x", f"{name}_y", ring, rides=False)
         del words["outputs"]["x"], words["outputs"]["y"]
         called = {key: f"{name}_{key}" for key in (*words["definitions"], "sx", "sy", "mu")}
         called |= {key: f"{name}_{new}" for key, new in _RENAMED.items()}

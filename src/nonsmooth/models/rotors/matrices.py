@@ -12,13 +12,18 @@ import numpy as np
 
 from nonsmooth.errors import ModelError
 from nonsmooth.matrix_files import read_matrix
-from nonsmooth.models.rotors.texts import first_guess, rotor_words
-from nonsmooth.system.parts import Exit, Mode
+from nonsmooth.models.rotors.texts import (
+    RingNames,
+    ring_modes,
+    ring_texts,
+    rotor_words,
+    with_flow,
+)
+from nonsmooth.system.parts import Text
 
 __all__ = ["matrix_rotor_words", "ring_words", "square_matrix"]
 
 
-_SHARED = ("reach", "springs", "preload", "pull")
 _REQUIRE = {
     "Omega > 0": "the rotor must turn",
     "k_s > 0": "the ring is held by springs",
@@ -46,87 +51,48 @@ def matrix_rotor_words(
     ring: tuple[int, int],
     unbalance: Iterable[Any],
     load: np.ndarray,
+    damped: bool,
 ) -> dict[str, Any]:
     """What `System` takes, but for name and parameters."""
     n = len(load)
     base = rotor_words({})
     flow = _flow(matrices, ring, unbalance, load)
     i, j = ring
-    words = ring_words(f"q{i} + eps_x", f"q{j} + eps_y")
+    at_ring = RingNames("k_s", "c_s" if damped else None, "gamma", f"v{i}", f"v{j}")
+    words = ring_words(f"q{i} + eps_x", f"q{j} + eps_y", at_ring)
     labels = {name: text for name, text in base["describe"].items() if name not in _OTHER_NAMES}
     for k in range(n):
         labels |= {f"q{k}": f"displacement {k}", f"v{k}": f"velocity {k}"}
+    left_out = () if damped else ("c_s", "c_s > 0")
     return {
         "states": [*flow, "sx", "sy", "mu"],
         "period": "2*pi/Omega",
-        "require": _REQUIRE,
-        "describe": labels | _LABELS,
+        "require": {text: why for text, why in _REQUIRE.items() if text not in left_out},
+        "describe": {k: v for k, v in (labels | _LABELS).items() if k not in left_out},
         "definitions": words["definitions"],
         "outputs": {"vx": f"v{i}", "vy": f"v{j}", **words["outputs"]},
-        "modes": {
-            name: Mode(
-                flow | dict(mode.flow), mode.exits, mode.slaved, mode.definitions, mode.cells
-            )
-            for name, mode in words["modes"].items()
-        },
+        "modes": with_flow(words["modes"], flow),
     }
 
 
-def ring_words(x: str, y: str) -> dict[str, Any]:
+def ring_words(x: str, y: str, ring: RingNames, *, rides: bool = True) -> dict[str, Any]:
     """Definitions, outputs and modes of a ring for a rotor at x, y from the centre of the ring.
 
-    Stiffness ``k_s``, damping ``c_s``, clearance ``gamma``, preloads ``delta_x delta_y``; the
-    force on the ring is ``Fx Fy``.
+    Preloads are called ``delta_x delta_y``; the force on the ring is ``Fx Fy``.
     """
-    base = rotor_words({})
+    outputs = rotor_words({})["outputs"]
+    definitions = ring_texts(ring)
+    if not rides:
+        definitions.pop("push", None)
     return {
-        "definitions": {
-            "nx": "x - sx",
-            "ny": "y - sy",
-            **{n: t for n, t in base["definitions"].items() if n.startswith(_SHARED)},
-            "Fx": "k_s*pull_x + c_s*springs_x*rate(sx)",
-            "Fy": "k_s*pull_y + c_s*springs_y*rate(sy)",
-            "size": "sqrt(Fx**2 + Fy**2)",
-            "stored": str(base["definitions"]["stored"]).replace("0.5*K*", "0.5*k_s*"),
-        },
+        "definitions": definitions,
         "outputs": {
             "x": x,
             "y": y,
-            **base["outputs"],
-            "gap": "gamma - sqrt(nx**2 + ny**2)",
+            **outputs,
+            "gap": f"{ring.gap} - sqrt(nx**2 + ny**2)",
         },
-        "modes": _ring_modes(base["modes"]["contact"].cells),
-    }
-
-
-def _ring_modes(cells: dict[str, str]) -> dict[str, Mode]:
-    contact = Exit(
-        "gamma**2 - nx**2 - ny**2",
-        to="contact",
-        reset=first_guess("gamma", "2*(reach/gamma - 1)"),
-        name="contact",
-    )
-    return {
-        "free": Mode(
-            {
-                "sx": "-k_s/c_s*(sx + preload_x)",
-                "sy": "-k_s/c_s*(sy + preload_y)",
-            },
-            slaved={"mu": "0"},
-            definitions={"Fx": "0", "Fy": "0", "size": "0"},
-            exits=[contact],
-            cells=dict.fromkeys(cells, "free"),
-        ),
-        "contact": Mode(
-            {},
-            slaved={
-                "sx": "pull_x = mu*nx",
-                "sy": "pull_y = mu*ny",
-                "mu": "nx**2 + ny**2 = gamma**2",
-            },
-            exits=[Exit("nx*Fx + ny*Fy", to="free", reset={"mu": "0"}, name="release")],
-            cells=cells,
-        ),
+        "modes": ring_modes(ring, rides=rides),
     }
 
 
@@ -135,7 +101,7 @@ def _flow(
     ring: tuple[int, int],
     unbalance: Iterable[Any],
     load: np.ndarray,
-) -> dict[str, str]:
+) -> dict[str, Text]:
     """Rates of displacements and velocities."""
     n = len(load)
     cosine, sine, at_ring = np.zeros(n), np.zeros(n), np.zeros((n, 2))
@@ -158,7 +124,7 @@ def _flow(
     terms["Omega**2*sin(Omega*t + phi0)"] = sine
     terms["Fx"], terms["Fy"] = -at_ring[:, 0], -at_ring[:, 1]
     solved = np.linalg.solve(matrices["mass"], np.column_stack(list(terms.values())))
-    rates = {f"q{k}": f"v{k}" for k in range(n)}
+    rates: dict[str, Text] = {f"q{k}": f"v{k}" for k in range(n)}
     return rates | {f"v{k}": _sum(solved[k], terms) for k in range(n)}
 
 

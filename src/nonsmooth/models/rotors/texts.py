@@ -1,13 +1,14 @@
-"""Texts of the chapter's rotor in its snubber ring, on which other models build."""
+"""Texts of the chapter's snubber ring and of its rotor, on which other models build."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 from nonsmooth.system.parts import Exit, Mode, Text
 
-__all__ = ["first_guess", "rotor_words"]
+__all__ = ["RingNames", "first_guess", "ring_modes", "ring_texts", "rotor_words", "with_flow"]
 
 # signs of the surfaces s - delta and s + delta along an axis
 _WITHIN, _BEYOND = ("-+",), ("+.", "--")
@@ -41,6 +42,23 @@ _LABELS = {
 }
 
 
+class RingNames(NamedTuple):
+    """What the texts call the data of a ring, and the velocity of the rotor there.
+
+    A ring without damping is back at its centre as soon as it is free.
+    """
+
+    stiffness: str
+    damping: str | None
+    gap: str
+    vx: str
+    vy: str
+
+
+# direction of the force on the ring: the normal, if there is no friction
+_NORMAL = ("nx", "ny")
+
+
 def _cells() -> dict[str, str]:
     """Contact regimes by the signs of sx - delta_x, sy - delta_y, sy + delta_y, sx + delta_x."""
     regimes = {
@@ -57,9 +75,123 @@ def _cells() -> dict[str, str]:
     }
 
 
-def rotor_words(values: Mapping[str, Text], *, relaxes: bool = True) -> dict[str, Any]:
+def ring_texts(ring: RingNames, along: tuple[str, str] = _NORMAL) -> dict[str, str]:
+    """Definitions of springs, force and energy of a ring; `along` is the direction of its force."""
+    k, c = ring.stiffness, ring.damping
+    texts = {
+        "reach": "sqrt(x**2 + y**2)",
+        "nx": "x - sx",
+        "ny": "y - sy",
+        "springs_x": "where(sx > delta_x, 1, where(sx < -delta_x, 1, 2))",
+        "springs_y": "where(sy > delta_y, 1, where(sy < -delta_y, 1, 2))",
+        "preload_x": "where(sx > delta_x, delta_x, where(sx < -delta_x, -delta_x, 0))",
+        "preload_y": "where(sy > delta_y, delta_y, where(sy < -delta_y, -delta_y, 0))",
+        "pull_x": "springs_x*sx + preload_x",
+        "pull_y": "springs_y*sy + preload_y",
+        "Fx": f"{k}*pull_x",
+        "Fy": f"{k}*pull_y",
+        "size": "sqrt(Fx**2 + Fy**2)",
+        "stored": f"0.5*{k}*(springs_x*sx**2 + 2*preload_x*sx - preload_x**2*(2 - springs_x)"
+        " + springs_y*sy**2 + 2*preload_y*sy - preload_y**2*(2 - springs_y))",
+    }
+    if c is not None:
+        px, py = (f"({text})" for text in along)
+        texts["Fx"] += f" + {c}*springs_x*rate(sx)"
+        texts["Fy"] += f" + {c}*springs_y*rate(sy)"
+        # normal force over the gap of a rotor on a ring that its dampers hold back
+        texts["push"] = (
+            f"({c}*(nx*{ring.vx} + ny*{ring.vy}) + {k}*(nx*pull_x/springs_x + ny*pull_y/springs_y))"
+            f"/(nx*{px}/springs_x + ny*{py}/springs_y)"
+        )
+    return texts
+
+
+def first_guess(gap: str, mu: str) -> dict[str, str]:
+    """First guess of the ring's place on contact: where it stands within its preload.
+
+    From a displaced ring Newton's method could find a place where the energy is largest.
+    """
+    return {"sx": f"x*(1 - {gap}/reach)", "sy": f"y*(1 - {gap}/reach)", "mu": mu}
+
+
+def ring_modes(
+    ring: RingNames, along: tuple[str, str] = _NORMAL, *, rides: bool = True
+) -> dict[str, Mode]:
+    """Modes of a ring by its own rates and relations; `rides` asks for the third one, see there."""
+    damped = ring.damping is not None
+    square = "1" if ring.gap == "1" else f"{ring.gap}**2"
+    touch = Exit(
+        f"{square} - nx**2 - ny**2",
+        to="contact",
+        reset=first_guess(ring.gap, f"2*(reach/{ring.gap} - 1)"),
+        name="contact",
+    )
+    no_force = {"Fx": "0", "Fy": "0", "size": "0"}
+    rate = f"-{ring.stiffness}/({ring.damping})"
+    free = Mode(
+        {"sx": f"{rate}*(sx + preload_x)", "sy": f"{rate}*(sy + preload_y)"},
+        slaved={"mu": "0"},
+        definitions=no_force,
+        exits=[touch],
+        cells=dict.fromkeys(_cells(), "free"),
+    )
+    if not damped:
+        away = {"sx": "0", "sy": "0", "mu": "0"}
+        free = Mode({}, slaved=away, definitions=no_force | {"stored": "0"}, exits=[touch])
+    after = "riding" if damped and rides else "free"
+    px, py = (text if text in _NORMAL else f"({text})" for text in along)
+    contact = Mode(
+        {},
+        slaved={
+            "sx": f"pull_x = mu*{px}",
+            "sy": f"pull_y = mu*{py}",
+            "mu": f"nx**2 + ny**2 = {square}",
+        },
+        exits=[Exit("nx*Fx + ny*Fy", to=after, reset={"mu": "0"}, name="release")],
+        cells=_cells(),
+    )
+    modes = {"free": free, "contact": contact}
+    if after == "riding":
+        modes["riding"] = _riding(ring, (px, py), square)
+    return modes
+
+
+def _riding(ring: RingNames, along: tuple[str, str], square: str) -> Mode:
+    """The ring on the rotor, along which its dampers hold it back.
+
+    Contact at the least energy leaves the dampers out of account where the ring moves along the
+    rotor. Where such a contact ends, the free ring may therefore move into the rotor. Then the ring
+    stays on it and follows its springs and dampers, until the rotor no longer pushes. The second
+    exit keeps out starts away from the ring: a motion in contact never takes it.
+    """
+    k, c = ring.stiffness, ring.damping
+    px, py = along
+    return Mode(
+        {
+            "sx": f"(push*{px} - {k}*pull_x)/({c}*springs_x)",
+            "sy": f"(push*{py} - {k}*pull_y)/({c}*springs_y)",
+        },
+        slaved={"mu": "0"},  # that of the least energy, of which there is none
+        definitions={"Fx": f"push*{px}", "Fy": f"push*{py}"},
+        exits=[
+            Exit("push", to="free", name="release"),
+            Exit(f"1e-9 - ((nx**2 + ny**2)/{square} - 1)**2", to="stop", name="apart"),
+        ],
+        cells=dict.fromkeys(_cells(), "riding"),
+    )
+
+
+def with_flow(modes: Mapping[str, Mode], flow: Mapping[str, Text]) -> dict[str, Mode]:
+    """Modes of a ring with the rates of a rotor in front."""
+    return {name: replace(mode, flow=dict(flow) | dict(mode.flow)) for name, mode in modes.items()}
+
+
+def rotor_words(
+    values: Mapping[str, Text], along: tuple[str, str] = _NORMAL, *, relaxes: bool = True
+) -> dict[str, Any]:
     """What `System` takes for the rotor, by values of its parameters; for models built on it."""
-    drive = {
+    ring = RingNames("K", "2*nu2" if relaxes else None, "1", "vx", "vy")
+    drive: dict[str, Text] = {
         "x": "vx",
         "y": "vy",
         "vx": "eta_m*rho*eta**2*cos(eta*t + phi0) - 2*nu1*vx - (x - eps_x) - Fx",
@@ -82,22 +214,7 @@ def rotor_words(values: Mapping[str, Text], *, relaxes: bool = True) -> dict[str
         "parameters": {name: value for name, value in values.items() if name != "nu2" or relaxes},
         "require": require,
         "describe": {name: _LABELS[name] for name in _LABELS if name != "nu2" or relaxes},
-        "definitions": {
-            "reach": "sqrt(x**2 + y**2)",
-            "nx": "x - sx",
-            "ny": "y - sy",
-            "springs_x": "where(sx > delta_x, 1, where(sx < -delta_x, 1, 2))",
-            "springs_y": "where(sy > delta_y, 1, where(sy < -delta_y, 1, 2))",
-            "preload_x": "where(sx > delta_x, delta_x, where(sx < -delta_x, -delta_x, 0))",
-            "preload_y": "where(sy > delta_y, delta_y, where(sy < -delta_y, -delta_y, 0))",
-            "pull_x": "springs_x*sx + preload_x",
-            "pull_y": "springs_y*sy + preload_y",
-            "Fx": "K*pull_x" + (" + 2*nu2*springs_x*rate(sx)" if relaxes else ""),
-            "Fy": "K*pull_y" + (" + 2*nu2*springs_y*rate(sy)" if relaxes else ""),
-            "size": "sqrt(Fx**2 + Fy**2)",
-            "stored": "0.5*K*(springs_x*sx**2 + 2*preload_x*sx - preload_x**2*(2 - springs_x)"
-            " + springs_y*sy**2 + 2*preload_y*sy - preload_y**2*(2 - springs_y))",
-        },
+        "definitions": ring_texts(ring, along),
         "outputs": {
             "ring_vx": "rate(sx)",
             "ring_vy": "rate(sy)",
@@ -108,48 +225,5 @@ def rotor_words(values: Mapping[str, Text], *, relaxes: bool = True) -> dict[str
             "gap": "1 - sqrt(nx**2 + ny**2)",
             "energy": "stored",
         },
-        "modes": {"free": _free(drive, relaxes), "contact": _contact(drive)},
+        "modes": with_flow(ring_modes(ring, along), drive),
     }
-
-
-def first_guess(gap: str, mu: str) -> dict[str, str]:
-    """First guess of the ring's place on contact: where it stands within its preload.
-
-    From a displaced ring Newton's method could find a place where the energy is largest.
-    """
-    return {"sx": f"x*(1 - {gap}/reach)", "sy": f"y*(1 - {gap}/reach)", "mu": mu}
-
-
-def _free(drive: dict[str, str], relaxes: bool) -> Mode:
-    """The rotor away from the ring, which relaxes or is back already."""
-    contact = Exit(
-        "1 - nx**2 - ny**2",
-        to="contact",
-        reset=first_guess("1", "2*(reach - 1)"),
-        name="contact",
-    )
-    no_force = {"Fx": "0", "Fy": "0", "size": "0"}
-    if not relaxes:
-        away = {"sx": "0", "sy": "0", "mu": "0"}
-        return Mode(drive, slaved=away, definitions=no_force | {"stored": "0"}, exits=[contact])
-    return Mode(
-        drive
-        | {
-            "sx": "-K/(2*nu2)*(sx + preload_x)",
-            "sy": "-K/(2*nu2)*(sy + preload_y)",
-        },
-        slaved={"mu": "0"},
-        definitions=no_force,
-        exits=[contact],
-        cells=dict.fromkeys(_cells(), "free"),
-    )
-
-
-def _contact(drive: dict[str, str]) -> Mode:
-    """The ring at its least energy on the rotor."""
-    return Mode(
-        drive,
-        slaved={"sx": "pull_x = mu*nx", "sy": "pull_y = mu*ny", "mu": "nx**2 + ny**2 = 1"},
-        exits=[Exit("nx*Fx + ny*Fy", to="free", reset={"mu": "0"}, name="release")],
-        cells=_cells(),
-    )
