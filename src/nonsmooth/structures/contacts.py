@@ -10,10 +10,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from nonsmooth.errors import ModelError
+from nonsmooth.real_numbers import shown
 from nonsmooth.structures.contributions import (
     Attachment,
     Contribution,
     SumOfCoordinates,
+    check_coordinates,
     check_name,
     check_side,
     check_text,
@@ -84,8 +87,11 @@ class Stop:
 
     def __post_init__(self) -> None:
         check_name("Stop", self.name)
+        check_coordinates("Stop", pair=True, coordinate=self.coordinate)
         check_side("Stop", self.side, _SIDES)
         check_text("Stop", gap=self.gap, restitution=self.restitution)
+        if not isinstance(self.rest, bool):
+            raise ModelError(f"Stop: rest = {shown(self.rest)}: give True or False")
 
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the stop adds to the equations of a machine."""
@@ -196,6 +202,7 @@ class GapSpring:
 
     def __post_init__(self) -> None:
         check_name("GapSpring", self.name)
+        check_coordinates("GapSpring", pair=True, coordinate=self.coordinate)
         check_side("GapSpring", self.side, _SIDES)
         check_text("GapSpring", gap=self.gap, stiffness=self.stiffness)
         if self.damping is not None:
@@ -307,6 +314,7 @@ class DryFriction:
 
     def __post_init__(self) -> None:
         check_name("DryFriction", self.name)
+        check_coordinates("DryFriction", pair=True, coordinate=self.coordinate)
         check_text("DryFriction", force=self.force)
         for key in ("static", "speed"):
             if getattr(self, key) is not None:
