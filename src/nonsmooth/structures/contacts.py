@@ -123,7 +123,7 @@ class Stop:
             if self.side == "both"
             else f"{gap} {'-' if self.side == 'above' else '+'} ({where.text})"
         )
-        made.describe[f"{name}_distance"] = f"distance to {name} [m]"
+        made.describe[f"{name}_distance"] = f"distance to {name} [{where.units[0]}]"
         return made
 
 
@@ -254,7 +254,7 @@ class GapSpring:
             (f"{name}_push", place.at({each: -sign for each, sign in where.factors.items()}))
         )
         made.outputs[f"{name}_force"] = f"{name}_push"
-        made.describe[f"{name}_force"] = f"force of {name} [N]"
+        made.describe[f"{name}_force"] = f"force of {name} [{where.units[1]}]"
         return made
 
 
@@ -347,5 +347,5 @@ class DryFriction:
         made.definitions[f"{name}_drag"] = f"-{kinetic}*sign({name}_slip)"
         made.loads.append((f"{name}_drag", place.at(where.factors)))
         made.outputs[f"{name}_force"] = f"{name}_drag"
-        made.describe[f"{name}_force"] = f"friction of {name} [N]"
+        made.describe[f"{name}_force"] = f"friction of {name} [{where.units[1]}]"
         return made

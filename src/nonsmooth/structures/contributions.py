@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, is_known
 from nonsmooth.real_numbers import finite_real, shown
-from nonsmooth.structures.coordinates import place_of
+from nonsmooth.structures.coordinates import is_rotation, place_of
 from nonsmooth.structures.generalized_form import GeneralizedForm
 from nonsmooth.structures.state_names import state_name, velocity_name
 from nonsmooth.structures.structure import Structure
@@ -149,9 +149,10 @@ class SumOfCoordinates:
         return " - ".join(velocity_name(name) for name in self.factors)
 
     @property
-    def label(self) -> str:
-        """In words."""
-        return " minus ".join(self.factors)
+    def units(self) -> tuple[str, str]:
+        """Units of the displacement and of a force along it, which is a moment along an angle."""
+        turns = all(is_rotation(name) for name in self.factors)
+        return ("rad", "N m") if turns else ("m", "N")
 
 
 def check_coordinates(kind: str, *, pair: bool = False, **values: Any) -> None:
