@@ -70,7 +70,7 @@ def _npz(path: Path) -> dict[str, Any]:
                 found[name] = archive[name]
             return found
     except _FAULTS as error:
-        if _OBJECTS in str(error):
+        if name and _OBJECTS in str(error):
             raise ModelError(f"path: {path.name}: array {name!r} {_NO_OBJECTS}") from None
         raise ModelError(f"path: {path.name} cannot be read as .npz: {error}") from None
 

@@ -24,6 +24,7 @@ from nonsmooth.structures import (
     machine,
     natural_modes,
     reduce,
+    root_locus,
 )
 from structures.contact_truth import chain
 
@@ -263,6 +264,46 @@ def test_an_indefinite_mass_is_not_a_singular_one(size, ask):
     with pytest.raises(ns.ModelError, match="mass is singular"):
         ask(structure(1.0))
     ask(structure(0.99))
+
+
+# ---------------------------------------------------------------- what users hand to functions
+
+
+@pytest.mark.parametrize("argument", ["displacements", "velocities"])
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ({"9x": 1.0}, ": unknown coordinate '9x'"),
+        ({"1x": "a"}, r"\['1x'\] = 'a' is not a finite number"),
+        ({"1x": np.nan}, r"\['1x'\] = nan is not a finite number"),
+    ],
+)
+def test_starts_are_checked(argument, value, said):
+    whole = reduce(frame(), "1x", modes=3)
+    with pytest.raises(ns.OptionError, match=f"^{argument}{said}"):
+        whole.start(machine(whole), **{argument: value})
+
+
+def test_coordinates_to_recover():
+    whole = reduce(frame(), "1x", modes=3)
+    run = ns.simulate(machine(whole), t_end=1.0)
+    for given, said in (("9x", "unknown coordinate '9x'"), ([], "there is none")):
+        with pytest.raises(ns.OptionError, match=f"^coordinates: {said}"):
+            whole.recover(run, given)
+    assert whole.recover(run, 2)["coordinate"].values.tolist() == ["2x"]
+
+
+def test_functions_of_a_locus_that_fail():
+    def fails(value):
+        return frame() if value < 0.5 else 1 / 0
+
+    def grows(value):
+        return frame() if value < 0.5 else ns.Structure(np.eye(2), np.eye(2))
+
+    with pytest.raises(ns.OptionError, match="structure: the function fails at 1 with ZeroDivisi"):
+        root_locus(fails, [0.0, 1.0])
+    with pytest.raises(ns.OptionError, match=r"structure\(1\) has 2 coordinates, and that of the"):
+        root_locus(grows, [0.0, 1.0])
 
 
 # ---------------------------------------------------------------- loads beside the estimate
