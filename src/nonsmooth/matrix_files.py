@@ -14,6 +14,11 @@ from nonsmooth.errors import ModelError
 __all__ = ["MATRIX_SUFFIXES", "read_archive", "read_matrix"]
 
 MATRIX_SUFFIXES = (".npy", ".csv", ".mtx")
+_OBJECTS = "Object arrays cannot be loaded"  # what numpy says of them
+_NO_OBJECTS = (
+    "holds Python objects, which could run code when they are read; save numbers by"
+    " .astype(float), names by .astype(str)"
+)
 _FAULTS = (OSError, ValueError, EOFError, TypeError, OverflowError, zipfile.BadZipFile)
 
 
@@ -30,7 +35,8 @@ def read_matrix(name: str, path: Path, cure: str = "") -> Any:
 
             return mmread(path)
     except _FAULTS as error:
-        raise ModelError(f"{name}: {path.name} cannot be read: {error}") from None
+        fault = _NO_OBJECTS if _OBJECTS in str(error) else f"cannot be read: {error}"
+        raise ModelError(f"{name}: {path.name} {fault}") from None
     raise ModelError(
         f"{name}: {path.name} has none of the suffixes {', '.join(MATRIX_SUFFIXES)}{cure}"
     )
@@ -50,16 +56,22 @@ def read_archive(path: Path, known: Sequence[str], needed: Sequence[str]) -> dic
             raise ModelError(
                 f"{path.name}: array {name!r} has no meaning here; these have: {', '.join(known)}"
             )
-    return arrays
+    return {name: _texts(f"path: {path.name}: {name!r}", each) for name, each in arrays.items()}
 
 
 def _npz(path: Path) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    name = ""
     try:
         with np.load(path, allow_pickle=False) as archive:
             if not isinstance(archive, np.lib.npyio.NpzFile):
                 raise ValueError("it holds one array without a name")
-            return {name: archive[name] for name in archive.files}
+            for name in archive.files:
+                found[name] = archive[name]
+            return found
     except _FAULTS as error:
+        if name and _OBJECTS in str(error):
+            raise ModelError(f"path: {path.name}: array {name!r} {_NO_OBJECTS}") from None
         raise ModelError(f"path: {path.name} cannot be read as .npz: {error}") from None
 
 
@@ -76,14 +88,20 @@ def _mat(path: Path) -> dict[str, Any]:
         ) from None
     except (*_FAULTS, MatReadError) as error:
         raise ModelError(f"path: {path.name} cannot be read as .mat: {error}") from None
-    return {name: _texts(array) for name, array in found.items() if not name.startswith("__")}
+    return {name: array for name, array in found.items() if not name.startswith("__")}
 
 
-def _texts(array: Any) -> Any:
+def _texts(where: str, array: Any) -> Any:
     """Texts of a cell array, each of which is an array of its own; other arrays as they are."""
-    if getattr(array, "dtype", np.dtype(float)).kind != "O":
+    kind = array.dtype.kind
+    if kind == "V":
+        raise ModelError(f"{where} is a struct of MATLAB; save its fields as variables")
+    if kind != "O":
         return array
     cells = [np.ravel(each) for each in np.ravel(array)]
     if not all(each.size == 1 and each.dtype.kind == "U" for each in cells):
-        return array
+        raise ModelError(
+            f"{where} is a cell array; only one of texts can be read, such as names of coordinates:"
+            " turn one of numbers into a matrix by cell2mat"
+        )
     return np.array([str(each[0]) for each in cells])

@@ -245,7 +245,7 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
     for name, match in (
         ("bad.csv", "bad.csv cannot be read"),
         ("bad.mtx", "bad.mtx cannot be read"),
-        ("object.npy", "object.npy cannot be read"),
+        ("object.npy", "object.npy holds Python objects"),
         ("none.npy", "none.npy cannot be read"),
         ("m.txt", "none of the suffixes"),
         ("all.npz", "MatrixRotor.from_file"),

@@ -165,6 +165,26 @@ def test_run_up_and_run_down_on_one_axes(ax):
     assert np.all(np.diff(ax.lines[1].get_xdata()) < 0.0)
 
 
+@pytest.mark.parametrize("label", [None, "damped"])
+@pytest.mark.parametrize("variable", ["a", "a_max"])
+def test_no_entry_of_a_legend_of_statistics_stands_twice(ax, variable, label):
+    for name in ("a", "b"):
+        words = {"long_name": f"force of {name}"}
+        data = xr.Dataset(
+            {
+                f"{name}_{key}": ("period", np.arange(3.0), words)
+                for key in ("min", "max", "mean", "rms", "in_contact")
+            }
+            | {"Omega": ("period", np.arange(3.0))},
+            attrs={"slow": "Omega"},
+        )
+        ns.plot.statistics(data, variable.replace("a", name, 1), ax=ax, label=label)
+    texts = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert len(texts) == len(set(texts)) == (10 if variable == "a" else 2)
+    if variable == "a" and label is None:
+        assert "force of b, largest" in texts
+
+
 @pytest.mark.parametrize(
     ("draw", "text"),
     [

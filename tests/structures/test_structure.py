@@ -196,7 +196,7 @@ def test_a_wrong_structure_is_refused(tmp_path, monkeypatch, wrong, says):
 @pytest.mark.parametrize(
     "wrong, says",
     [
-        ({"coordinates": []}, "coordinates: a bearing has at least one"),
+        ({"coordinates": []}, "Bearing: coordinates: there is none; give at least one"),
         ({"stiffness": np.eye(3)}, r"stiffness has shape \(3, 3\)"),
         ({"stiffness": np.ones(4)}, "stiffness is a table of 4; give the speeds="),
         ({"stiffness": np.ones(4), "speeds": [0.0, 1.0]}, "a table of 2 of these"),

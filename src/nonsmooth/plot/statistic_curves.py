@@ -99,7 +99,8 @@ def statistics(
         label = f"{what} {'rises' if x[-1] > x[0] else 'falls'}"
     if variable in known:
         style = LINES[len(ax.lines) % len(LINES)]
-        _draw(ax, x, data[variable].values, label, style)
+        text = _apart(ax, label, data[variable].attrs.get("long_name", variable))
+        _draw(ax, x, data[variable].values, text, style)
         y_label = axis_label(data[variable])
     else:
         y_label = _draw_all(data, variable, ax, x, label)
@@ -120,6 +121,12 @@ def _draw(ax: Axes, x: np.ndarray, values: np.ndarray, label: str | None, style:
         line.set_markevery(np.flatnonzero(alone).tolist())
 
 
+def _apart(ax: Axes, text: str | None, name: str) -> str | None:
+    """Text of an entry of the legend, with the name of what it shows where it is there already."""
+    known = text is not None and text in ax.get_legend_handles_labels()[1]
+    return f"{name}, {text}" if known else text
+
+
 def _axis(data: xr.Dataset, dim: str, over: str | None) -> str:
     """Name of what is along the axis."""
     if dim == "parameter":
@@ -135,9 +142,15 @@ def _axis(data: xr.Dataset, dim: str, over: str | None) -> str:
 
 
 def _draw_all(data: xr.Dataset, variable: str, ax: Axes, x: np.ndarray, label: str | None) -> str:
-    """Curves and the band of one variable; the label of the axis."""
+    """Curves and the band of one variable; the label of the axis.
+
+    What is drawn after others has its curves in the colour of its band.
+    """
     colours = list(PALETTE.values())
-    colour = colours[len(ax.collections) % len(colours)]
+    number = len(ax.collections)
+    colour = colours[number % len(colours)]
+    attrs = data[f"{variable}_max"].attrs
+    name = str(attrs.get("long_name", variable)).removeprefix("largest ")
     low, high, what = f"{variable}_min", f"{variable}_max", "smallest to largest"
     band = [data[low].values, data[high].values]
     if f"{variable}_percentile" in data and data.sizes.get("percentile", 0) > 1:
@@ -146,13 +159,14 @@ def _draw_all(data: xr.Dataset, variable: str, ax: Axes, x: np.ndarray, label: s
         values = data[f"{variable}_percentile"].transpose(..., "percentile").values
         band = [values[:, first], values[:, last]]
         what = f"{parts[first]:g} to {parts[last]:g} %"
+    whose = name if label is None or _apart(ax, label, name) != label else label
     ax.fill_between(
         x, band[0], band[1], color=colour, alpha=_PALE if f"{variable}_mean" in data else 0.5,
-        linewidth=0.0, label=label or what,
+        linewidth=0.0, label=_apart(ax, label or what, name),
     )  # fmt: skip
     if f"{variable}_mean" in data:
         for (key, text), style in zip(_CURVES, LINES, strict=True):
-            _draw(ax, x, data[f"{variable}_{key}"].values, text, style)
-    attrs = data[high].attrs
-    name = str(attrs.get("long_name", variable)).removeprefix("largest ")
+            own = style | {"color": colour} if number else style
+            told = _apart(ax, text, whose)
+            _draw(ax, x, data[f"{variable}_{key}"].values, told, own)
     return axis_label(data[high].assign_attrs(long_name=name))

@@ -93,19 +93,15 @@ class Beam:
     def __post_init__(self) -> None:
         for name in ("length", "diameter", "youngs_modulus", "density"):
             _set_positive(self, name)
-        bore = finite_real("inner_diameter", self.inner_diameter, ModelError)
-        if not 0.0 <= bore < self.diameter:
-            raise ModelError(
-                f"inner_diameter = {bore:g} must lie between 0 and the diameter {self.diameter:g}"
-            )
-        ratio = finite_real("poissons_ratio", self.poissons_ratio, ModelError)
+        bore = _bore("Beam", self.inner_diameter, self.diameter)
+        ratio = finite_real("Beam: poissons_ratio", self.poissons_ratio, ModelError)
         if not -1.0 < ratio <= 0.5:
-            raise ModelError(f"poissons_ratio = {ratio:g} must lie between -1 and 0.5")
+            raise ModelError(f"Beam: poissons_ratio = {ratio:g} must lie between -1 and 0.5")
         object.__setattr__(self, "inner_diameter", bore)
         object.__setattr__(self, "poissons_ratio", ratio)
         for name in ("shear", "rotary_inertia"):
             if not isinstance(getattr(self, name), bool):
-                raise ModelError(f"{name} = {getattr(self, name)!r:.60}: give True or False")
+                raise ModelError(f"Beam: {name} = {getattr(self, name)!r:.60}: give True or False")
 
     @property
     def area(self) -> float:
@@ -240,10 +236,24 @@ def _in_both_planes(matrix: Array) -> Array:
 
 
 def _set_positive(thing: object, name: str) -> None:
-    value = finite_real(name, getattr(thing, name), ModelError)
-    if not value > 0.0:
-        raise ModelError(f"{name} = {value:g} must be positive")
+    value = _positive(f"{type(thing).__name__}: {name}", getattr(thing, name))
     object.__setattr__(thing, name, value)
+
+
+def _positive(where: str, given: object) -> float:
+    value = finite_real(where, given, ModelError)
+    if not value > 0.0:
+        raise ModelError(f"{where} = {value:g} must be positive")
+    return value
+
+
+def _bore(kind: str, given: object, diameter: float) -> float:
+    bore = finite_real(f"{kind}: inner_diameter", given, ModelError)
+    if not 0.0 <= bore < diameter:
+        raise ModelError(
+            f"{kind}: inner_diameter = {bore:g} must lie between 0 and the diameter {diameter:g}"
+        )
+    return bore
 
 
 @dataclass(frozen=True)
@@ -284,17 +294,17 @@ class Disc:
     polar_inertia: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "node", whole_number("node", self.node, 0))
+        object.__setattr__(self, "node", whole_number("Disc: node", self.node, 0))
         _set_positive(self, "mass")
         for name in ("diametral_inertia", "polar_inertia"):
-            value = finite_real(name, getattr(self, name), ModelError)
+            value = finite_real(f"Disc: {name}", getattr(self, name), ModelError)
             if value < 0.0:
-                raise ModelError(f"{name} = {value:g} must not be negative")
+                raise ModelError(f"Disc: {name} = {value:g} must not be negative")
             object.__setattr__(self, name, value)
         if self.polar_inertia > 2.0 * self.diametral_inertia * (1.0 + 1e-9):
             raise ModelError(
-                f"polar_inertia = {self.polar_inertia:g} is more than twice the diametral one,"
-                f" {self.diametral_inertia:g}, which no body has"
+                f"Disc: polar_inertia = {self.polar_inertia:g} is more than twice the diametral"
+                f" one, {self.diametral_inertia:g}, which no body has"
             )
 
     @classmethod
@@ -337,8 +347,9 @@ class Disc:
         >>> round(disc.mass, 3), round(disc.polar_inertia, 5)
         (32.757, 0.33125)
         """
-        if not width > 0.0:
-            raise ModelError(f"width = {width:g} must be positive")
+        for name, size in (("width", width), ("diameter", diameter), ("density", density)):
+            _positive(f"Disc: {name}", size)
+        _bore("Disc", inner_diameter, diameter)
         whole = Beam(width, diameter, inner_diameter, density=density)
         squares = (diameter**2 + inner_diameter**2) / 8.0
         across = whole.mass * (squares / 2.0 + width**2 / 12.0)

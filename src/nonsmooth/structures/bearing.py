@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, NonsmoothError, OptionError
 from nonsmooth.real_numbers import finite_numbers, shown
 from nonsmooth.structures.coordinates import places_of
 
@@ -77,16 +77,19 @@ class Bearing:
             listed = (listed,)
         listed = tuple(listed)
         if not listed:
-            raise ModelError("coordinates: a bearing has at least one")
+            raise ModelError("Bearing: coordinates: there is none; give at least one")
         for each in listed:
             if isinstance(each, bool) or not isinstance(each, str | int | np.integer):
-                raise ModelError(f"coordinates: {shown(each)} is neither a name nor a number")
+                raise ModelError(
+                    f"Bearing: coordinates: {shown(each)} is neither a name nor a number"
+                )
         if not isinstance(self.name, str):
-            raise ModelError(f"name = {shown(self.name)}: give a text")
+            raise ModelError(f"Bearing: name = {shown(self.name)}: give a text")
         object.__setattr__(self, "coordinates", listed)
-        object.__setattr__(self, "speeds", _speeds(self.speeds))
+        object.__setattr__(self, "speeds", _speeds(self._called, self.speeds))
         for part in ("stiffness", "damping"):
-            law = _law(part, getattr(self, part), len(listed), self.speeds)
+            where = f"{self._called}: {part}"
+            law = _law(where, getattr(self, part), len(listed), self.speeds)
             object.__setattr__(self, f"_{part}_at", law)
 
     @property
@@ -122,6 +125,8 @@ class Bearing:
         ------
         OptionError
             When the speed lies outside of the table.
+        ModelError
+            When a function fails at this speed, or returns something else than coefficients.
 
         Examples
         --------
@@ -173,15 +178,15 @@ class Bearing:
         if not speed > 0.0:
             raise OptionError(f"speed = {speed:g} must be positive")
 
-        def times(part: Any, factor: Any) -> Any:
-            if callable(part):
-                return lambda at: _spread(part(at / speed), size) * factor
-            return _spread(part, size) * factor
+        def times(given: Any, law: Coefficients, factor: Any) -> Any:
+            if callable(given):
+                return lambda at: law(at / speed) * factor
+            return _spread(given, size) * factor
 
         return Bearing(
             self.coordinates,
-            times(self.stiffness, stiffness),
-            times(self.damping, damping),
+            times(self.stiffness, self._stiffness_at, stiffness),  # type: ignore[attr-defined]  # set where it is made
+            times(self.damping, self._damping_at, damping),  # type: ignore[attr-defined]  # as above
             speeds=None if self.speeds is None else self.speeds * speed,
             name=self.name,
         )
@@ -214,15 +219,15 @@ class Bearing:
         places = places_of(coordinates, tuple(map(str, self.coordinates)), "coordinates")
         rows, columns = np.ix_(places, places)
 
-        def part(given: Any) -> Any:
+        def part(given: Any, law: Coefficients) -> Any:
             if callable(given):
-                return lambda speed: _spread(given(speed), size)[rows, columns]
+                return lambda speed: law(speed)[rows, columns]
             return _spread(given, size)[..., rows, columns]
 
         return Bearing(
             [self.coordinates[i] for i in places],
-            part(self.stiffness),
-            part(self.damping),
+            part(self.stiffness, self._stiffness_at),  # type: ignore[attr-defined]  # set where it is made
+            part(self.damping, self._damping_at),  # type: ignore[attr-defined]  # as above
             speeds=self.speeds,
             name=self.name,
         )
@@ -233,12 +238,12 @@ class Bearing:
         return f"bearing {self.name!r}" if self.name else f"bearing at {where}"
 
 
-def _speeds(given: Any) -> npt.NDArray[np.float64] | None:
+def _speeds(called: str, given: Any) -> npt.NDArray[np.float64] | None:
     if given is None:
         return None
-    speeds = finite_numbers("speeds", given, ModelError)
+    speeds = finite_numbers(f"{called}: speeds", given, ModelError)
     if speeds.ndim != 1 or speeds.size < 2 or not (np.diff(speeds) > 0.0).all():
-        raise ModelError(f"speeds = {shown(given)}: give two or more, increasing")
+        raise ModelError(f"{called}: speeds = {shown(given)}: give two or more, increasing")
     speeds.setflags(write=False)
     return speeds
 
@@ -246,7 +251,11 @@ def _speeds(given: Any) -> npt.NDArray[np.float64] | None:
 def _law(part: str, given: Any, size: int, speeds: npt.NDArray[np.float64] | None) -> Coefficients:
     """Coefficients as a function of the speed."""
     if callable(given):
-        return lambda speed: _square(f"{part}({speed:g})", given(speed), size)
+
+        def law(speed: float) -> npt.NDArray[np.float64]:
+            return _square(f"{part} at the speed {speed:g}", _value(part, given, speed), size)
+
+        return law
     values = finite_numbers(part, given, ModelError)
     count = None if speeds is None else len(speeds)
     if values.ndim in (0, 2):
@@ -264,6 +273,19 @@ def _law(part: str, given: Any, size: int, speeds: npt.NDArray[np.float64] | Non
     from scipy.interpolate import CubicSpline
 
     return CubicSpline(speeds, values)
+
+
+def _value(part: str, function: Callable[[float], Any], speed: float) -> Any:
+    """What a function of the user's returns, or an error that says where it fails."""
+    try:
+        return function(speed)
+    except NonsmoothError:  # of the bearing that this one was made of
+        raise
+    except Exception as error:
+        raise ModelError(
+            f"{part}: the function fails at the speed {speed:g} with {type(error).__name__}:"
+            f" {error}; it takes one speed in rad/s, and needs a value at each that is asked for"
+        ) from error
 
 
 def _spread(given: Any, size: int) -> npt.NDArray[np.float64]:

@@ -10,10 +10,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from nonsmooth.errors import ModelError
+from nonsmooth.real_numbers import shown
 from nonsmooth.structures.contributions import (
     Attachment,
     Contribution,
     SumOfCoordinates,
+    check_coordinates,
     check_name,
     check_side,
     check_text,
@@ -84,8 +87,11 @@ class Stop:
 
     def __post_init__(self) -> None:
         check_name("Stop", self.name)
+        check_coordinates("Stop", pair=True, coordinate=self.coordinate)
         check_side("Stop", self.side, _SIDES)
         check_text("Stop", gap=self.gap, restitution=self.restitution)
+        if not isinstance(self.rest, bool):
+            raise ModelError(f"Stop: rest = {shown(self.rest)}: give True or False")
 
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the stop adds to the equations of a machine."""
@@ -117,7 +123,7 @@ class Stop:
             if self.side == "both"
             else f"{gap} {'-' if self.side == 'above' else '+'} ({where.text})"
         )
-        made.describe[f"{name}_distance"] = f"distance to {name} [m]"
+        made.describe[f"{name}_distance"] = f"distance to {name} [{where.units[0]}]"
         return made
 
 
@@ -196,6 +202,7 @@ class GapSpring:
 
     def __post_init__(self) -> None:
         check_name("GapSpring", self.name)
+        check_coordinates("GapSpring", pair=True, coordinate=self.coordinate)
         check_side("GapSpring", self.side, _SIDES)
         check_text("GapSpring", gap=self.gap, stiffness=self.stiffness)
         if self.damping is not None:
@@ -247,7 +254,7 @@ class GapSpring:
             (f"{name}_push", place.at({each: -sign for each, sign in where.factors.items()}))
         )
         made.outputs[f"{name}_force"] = f"{name}_push"
-        made.describe[f"{name}_force"] = f"force of {name} [N]"
+        made.describe[f"{name}_force"] = f"force of {name} [{where.units[1]}]"
         return made
 
 
@@ -307,6 +314,7 @@ class DryFriction:
 
     def __post_init__(self) -> None:
         check_name("DryFriction", self.name)
+        check_coordinates("DryFriction", pair=True, coordinate=self.coordinate)
         check_text("DryFriction", force=self.force)
         for key in ("static", "speed"):
             if getattr(self, key) is not None:
@@ -339,5 +347,5 @@ class DryFriction:
         made.definitions[f"{name}_drag"] = f"-{kinetic}*sign({name}_slip)"
         made.loads.append((f"{name}_drag", place.at(where.factors)))
         made.outputs[f"{name}_force"] = f"{name}_drag"
-        made.describe[f"{name}_force"] = f"friction of {name} [N]"
+        made.describe[f"{name}_force"] = f"friction of {name} [{where.units[1]}]"
         return made

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, is_known
 from nonsmooth.real_numbers import finite_real, shown
+from nonsmooth.structures.coordinates import is_rotation, place_of
 from nonsmooth.structures.generalized_form import GeneralizedForm
 from nonsmooth.structures.state_names import state_name, velocity_name
 from nonsmooth.structures.structure import Structure
@@ -23,6 +24,7 @@ __all__ = [
     "Contribution",
     "RingModes",
     "SumOfCoordinates",
+    "check_coordinates",
     "check_name",
     "check_side",
     "check_text",
@@ -96,9 +98,14 @@ class Attachment:
         """Name of a side of a surface for phase words."""
         return side if self.alone else f"{name}_{side}"
 
+    def named(self, where: str, coordinate: Any) -> str:
+        """Name of a coordinate that a load acts on."""
+        names = self.structure.coordinates
+        return names[place_of(coordinate, names, where)]
+
     def kept(self, where: str, coordinate: Any) -> str:
-        """A coordinate that a contact acts on."""
-        name = self.structure.coordinates[self.structure.index(coordinate)]
+        """Name of a coordinate that a contact acts on."""
+        name = self.named(where, coordinate)
         if name not in self.keep:
             raise ModelError(
                 f"{where}: the reduction does not keep the coordinate {name!r}, only"
@@ -106,8 +113,8 @@ class Attachment:
             )
         return name
 
-    def at(self, factors: Mapping[Any, float]) -> Floats:
-        """Generalized forces of forces on some coordinates."""
+    def at(self, factors: Mapping[str, float]) -> Floats:
+        """Generalized forces of forces on some coordinates, by their names."""
         rows = [self.form.basis[self.structure.index(name)] for name in factors]
         return np.asarray(np.array(list(factors.values())) @ np.array(rows))
 
@@ -125,12 +132,7 @@ class SumOfCoordinates:
     @classmethod
     def read(cls, where: str, given: Any, place: Attachment) -> SumOfCoordinates:
         """From the name of a coordinate, or a pair of them."""
-        pair = (given,) if isinstance(given, str | int | np.integer) else tuple(given)
-        if len(pair) not in (1, 2):
-            raise ModelError(
-                f"{where} = {shown(given)}: give a coordinate, or two of which the second is"
-                " subtracted"
-            )
+        pair = given if isinstance(given, tuple | list) else (given,)
         names = [place.kept(where, each) for each in pair]
         if len(set(names)) < len(names):
             raise ModelError(f"{where}: both coordinates are {names[0]!r}; give two")
@@ -147,9 +149,22 @@ class SumOfCoordinates:
         return " - ".join(velocity_name(name) for name in self.factors)
 
     @property
-    def label(self) -> str:
-        """In words."""
-        return " minus ".join(self.factors)
+    def units(self) -> tuple[str, str]:
+        """Units of the displacement and of a force along it, which is a moment along an angle."""
+        turns = all(is_rotation(name) for name in self.factors)
+        return ("rad", "N m") if turns else ("m", "N")
+
+
+def check_coordinates(kind: str, *, pair: bool = False, **values: Any) -> None:
+    """Refuse what is no coordinate: neither a name nor a number, nor a pair of these if allowed."""
+    for name, value in values.items():
+        listed = value if pair and isinstance(value, tuple | list) else (value,)
+        fits = [isinstance(each, str | int | np.integer) for each in listed]
+        if len(fits) not in (1, 2) or not all(fits) or any(isinstance(x, bool) for x in listed):
+            more = ", or two of which the second is subtracted" if pair else ""
+            raise ModelError(
+                f"{kind}: {name} = {shown(value)}: give the name or number of a coordinate{more}"
+            )
 
 
 def check_name(kind: str, name: Any) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, RunError
-from nonsmooth.structures.matrices import dense, is_sparse
+from nonsmooth.structures.matrices import check_definite, dense, is_sparse
 from nonsmooth.structures.pencil import Pencil, solver_of
 
 __all__ = ["Eigenpairs", "check_mass", "nearest_to_zero", "refined"]
@@ -42,7 +42,7 @@ class Eigenpairs(NamedTuple):
 
 
 def check_mass(pencil: Pencil) -> None:
-    """Refuse a mass matrix without an inverse, whose eigenvalues would be infinite."""
+    """Refuse a mass matrix that is not positive definite; its eigenvalues would be infinite."""
     names = pencil.structure.coordinates
     empty = [name for name, m in zip(names, pencil.M.diagonal(), strict=True) if m == 0.0]
     if empty:
@@ -50,6 +50,7 @@ def check_mass(pencil: Pencil) -> None:
             f"mass: coordinates without inertia, {', '.join(empty[:5])}; condense them, or give"
             " them the inertia that they have"
         )
+    check_definite(pencil.M)
 
 
 def nearest_to_zero(pencil: Pencil, count: int | None) -> Eigenpairs:
@@ -117,10 +118,7 @@ def _by_decomposition(pencil: Pencil) -> Eigenpairs:
     size = len(m)
     # time in units of a typical period: displacements and velocities of one size
     unit = _frequency(pencil)
-    try:
-        lower = np.linalg.solve(m, np.hstack([k / unit**2, c / unit]))
-    except np.linalg.LinAlgError:
-        raise ModelError("mass is singular: condense coordinates without inertia") from None
+    lower = np.linalg.solve(m, np.hstack([k / unit**2, c / unit]))
     block = np.block([[np.zeros((size, size)), np.eye(size)], [-lower]])
     values, vectors = eig(block)
     return _sorted(values * unit, vectors[:size], pencil)

@@ -9,13 +9,25 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError
-from nonsmooth.real_numbers import shown
-from nonsmooth.structures.contributions import Attachment, Contribution, check_name, check_text
-from nonsmooth.structures.coordinates import in_direction
+from nonsmooth.errors import ModelError, is_known
+from nonsmooth.real_numbers import finite_real, shown
+from nonsmooth.structures.contributions import (
+    Attachment,
+    Contribution,
+    check_coordinates,
+    check_name,
+    check_text,
+)
+from nonsmooth.structures.coordinates import in_direction, place_of
 from nonsmooth.system.parts import Text
 
 __all__ = ["BaseMotion", "Force", "Unbalance", "Weight"]
+
+_DIRECTIONS = ("x", "y", "z")
+_ALLOWED = (
+    "'x', 'y' or 'z' where names of coordinates end so, or a mapping of coordinates to their"
+    " displacement as the whole structure moves by one"
+)
 
 
 @dataclass(frozen=True)
@@ -49,13 +61,15 @@ class Force:
 
     def __post_init__(self) -> None:
         check_name("Force", self.name)
+        check_coordinates("Force", coordinate=self.coordinate)
         check_text("Force", force=self.force)
 
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the force adds to the equations of a machine."""
         made = Contribution()
-        made.value(name, self.force, f"force at {self.coordinate}")
-        made.loads.append((name, place.at({self.coordinate: 1.0})))
+        coordinate = place.named(f"{name}: coordinate", self.coordinate)
+        made.value(name, self.force, f"force at {coordinate}")
+        made.loads.append((name, place.at({coordinate: 1.0})))
         return made
 
 
@@ -98,6 +112,7 @@ class Unbalance:
 
     def __post_init__(self) -> None:
         check_name("Unbalance", self.name)
+        check_coordinates("Unbalance", x=self.x, y=self.y)
         check_text("Unbalance", moment=self.moment, phase=self.phase)
 
     def _contribution(self, name: str, place: Attachment) -> Contribution:
@@ -105,7 +120,8 @@ class Unbalance:
         made = Contribution(turns=True, driven=True)
         moment = made.value(f"{name}_moment", self.moment, f"mass times eccentricity of {name}")
         phase = made.value(f"{name}_phase", self.phase, f"angle of {name} [rad]")
-        for wave, coordinate, axis in (("cos", self.x, "x"), ("sin", self.y, "y")):
+        for wave, axis in (("cos", "x"), ("sin", "y")):
+            coordinate = place.named(f"{name}: {axis}", getattr(self, axis))
             force = f"{name}_{axis}"
             made.definitions[force] = f"{moment}*Omega**2*{wave}(Omega*t + {phase})"
             made.loads.append((force, place.at({coordinate: 1.0})))
@@ -144,6 +160,7 @@ class Weight:
 
     def __post_init__(self) -> None:
         check_name("Weight", self.name)
+        _check_direction("Weight", self.direction)
         check_text("Weight", acceleration=self.acceleration)
 
     def _contribution(self, name: str, place: Attachment) -> Contribution:
@@ -189,6 +206,7 @@ class BaseMotion:
 
     def __post_init__(self) -> None:
         check_name("BaseMotion", self.name)
+        _check_direction("BaseMotion", self.direction)
         check_text("BaseMotion", acceleration=self.acceleration)
 
     def _contribution(self, name: str, place: Attachment) -> Contribution:
@@ -199,18 +217,27 @@ class BaseMotion:
         return made
 
 
+def _check_direction(kind: str, direction: Any) -> None:
+    if isinstance(direction, Mapping):
+        for coordinate, factor in direction.items():
+            check_coordinates(kind, **{"a key of direction": coordinate})
+            finite_real(f"{kind}: direction[{shown(coordinate)}]", factor, ModelError)
+    elif not is_known(direction, _DIRECTIONS):
+        raise ModelError(f"{kind}: direction = {shown(direction)}: give {_ALLOWED}")
+
+
 def _inertia_forces(name: str, direction: Any, place: Attachment) -> npt.NDArray[np.float64]:
     """Generalized forces of a unit acceleration of all masses along a direction."""
     structure = place.structure
     along = np.zeros(structure.size)
     if isinstance(direction, Mapping):
         for coordinate, factor in direction.items():
-            along[structure.index(coordinate)] = factor
+            at = place_of(coordinate, structure.coordinates, f"{name}: direction")
+            along[at] = factor
     else:
         along[in_direction(direction, structure.coordinates)] = 1.0
     if not along.any():
         raise ModelError(
-            f"{name}: direction = {shown(direction)}: no coordinate's name ends so; give a mapping"
-            " of coordinates to their displacement as the whole structure moves by one"
+            f"{name}: direction = {shown(direction)}: no coordinate moves so; give {_ALLOWED}"
         )
     return place.shares(structure.mass @ along)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import NonsmoothError, OptionError
 from nonsmooth.real_numbers import finite_numbers, whole_number
 from nonsmooth.structures.critical_speeds import speeds_of
 from nonsmooth.structures.following import follow
@@ -91,13 +91,14 @@ def root_locus(
         steps = np.diff(axis) if axis.ndim == 1 else np.zeros(0)
         if not steps.size or not ((steps > 0.0).all() or (steps < 0.0).all()):
             raise OptionError("values: give two or more, increasing or decreasing")
-        make = structure
+        make, size = structure, _made(structure, float(axis[0])).size
 
         def pencil_at(value: float) -> Pencil:
-            made = make(value)
-            if not isinstance(made, Structure):
+            made = _made(make, value)
+            if made.size != size:
                 raise OptionError(
-                    f"structure({value:g}) is {made!r:.40}; the function returns a Structure"
+                    f"structure({value:g}) has {made.size} coordinates, and that of the first"
+                    f" value {size}; modes are followed where there are as many at all values"
                 )
             return Pencil(computing_form(made), float(speed))
 
@@ -119,3 +120,19 @@ def root_locus(
         },
         {"nonsmooth_version": __version__},
     )
+
+
+def _made(make: Callable[[float], Any], value: float) -> Structure:
+    """What a function of the user's makes, or an error that says where it fails."""
+    try:
+        made = make(value)
+    except NonsmoothError:
+        raise
+    except Exception as error:
+        raise OptionError(
+            f"structure: the function fails at {value:g} with {type(error).__name__}: {error};"
+            " it takes one value, and returns a Structure for each"
+        ) from error
+    if not isinstance(made, Structure):
+        raise OptionError(f"structure({value:g}) is {made!r:.40}; the function returns a Structure")
+    return made

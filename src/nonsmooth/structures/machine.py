@@ -129,7 +129,7 @@ def machine(
     >>> stiffness = n * (2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
     >>> stiffness[-1, -1] = n
     >>> chain = ns.Structure(np.eye(n) / n, stiffness, damping=0.01 * stiffness)
-    >>> small = ns.structures.reduce(chain, keep=["q39"], frequency_range=(0.0, 20.0))
+    >>> small = ns.structures.reduce(chain, ["q39"], frequency_range=(0.0, 20.0), driven=["q0"])
     >>> shaken = ns.structures.machine(
     ...     small,
     ...     [ns.structures.GapSpring("q39", gap=0.05, stiffness=50.0)],
@@ -140,24 +140,23 @@ def machine(
     ... )
     >>> run = ns.simulate(shaken, periods=60)
     >>> round(float(run["spring1_force"].max()), 4)
-    0.9001
+    0.9086
     """
     listed_contacts = _listed("contacts", contacts, _CONTACTS)
     listed_loads = _listed("loads", loads, _LOADS)
-    reduction, states = _reduction(structure, listed_contacts, listed_loads)
+    named = _named([*listed_contacts, *listed_loads])
+    limits = _speed_range(speed_range)
+    reduction, states = _reduction(structure, named, limits)
     full, form = reduction.structure, generalized_form(reduction, states)
     place = Attachment(full, reduction.keep, form, alone=len(listed_contacts) == 1)
-    linear, limits = linear_part(place), _speed_range(speed_range)
+    linear = linear_part(place)
     parts = [
         bearing_part(place, bearing, held, called, limits)
         for (called, bearing), held in zip(
             _bearing_names(full).items(), reduction.held, strict=True
         )
     ]
-    parts += [
-        part._contribution(called, place)
-        for called, part in _named([*listed_contacts, *listed_loads]).items()
-    ]
+    parts += [part._contribution(called, place) for called, part in named.items()]
     words = _words(place, linear, parts, outputs)
     turns = linear.turns or any(part.turns for part in parts)
     own = dict(parameters or {})
@@ -168,6 +167,7 @@ def machine(
         )
     words["parameters"] = _speed(turns, Omega) | own | words["parameters"]
     _warn_of_speed(reduction, Omega)
+    _warn_of_loads(reduction, named)
     words["describe"] |= {"time": "time [s]"}
     if Omega is not None:
         words["describe"] |= {"Omega": "speed of the shaft [rad/s]"}
@@ -177,6 +177,8 @@ def machine(
         if key not in _OTHERS:
             raise OptionError(unknown_name("argument", key, _OTHERS))
         given = words.get(key)
+        if key == "definitions" and isinstance(value, Mapping):
+            _refuse_twice(value, words[key], "definitions: {!r} is a text of a contact or load")
         words[key] = {**given, **value} if isinstance(given, dict) else value
     return System(name=name, period=period, **words)
 
@@ -195,6 +197,29 @@ def _warn_of_speed(reduction: ReducedStructure, Omega: Any) -> None:
             ResultWarning,
             stacklevel=4,
         )
+
+
+def _warn_of_loads(reduction: ReducedStructure, named: Mapping[str, Any]) -> None:
+    """Tell of forces on coordinates whose receptances the error of a reduction leaves out."""
+    if reduction.estimate is None:
+        return
+    counted = set(reduction.estimate["input"].values.tolist())
+    loads = {name: each for name, each in named.items() if isinstance(each, Force | Unbalance)}
+    left = [name for name in _coordinates(reduction.structure, loads) if name not in counted]
+    if left:
+        text = ", ".join(map(repr, left))
+        warnings.warn(
+            f"loads: the error of the reduction leaves out forces at {text}, where the model may be"
+            f" much worse; give driven=[{text}] to reduce",
+            ResultWarning,
+            stacklevel=4,
+        )
+
+
+def _refuse_twice(names: Iterable[str], declared: Mapping[str, Any], fault: str) -> None:
+    for name in names:
+        if name in declared:
+            raise ModelError(f"{fault.format(name)}; take another name")
 
 
 def _listed(where: str, given: Any, known: tuple[type, ...]) -> list[Any]:
@@ -219,6 +244,8 @@ def _named(parts: Sequence[Any]) -> dict[str, Any]:
             name, count = f"{part.kind}{same.index(part) + count}", count + 1
         if name in found:
             raise ModelError(f"name: two contacts or loads are called {name!r}; each has its own")
+        if name == "Omega":
+            raise ModelError("name: 'Omega' is the speed of the shaft; take another name")
         found[name] = part
     return found
 
@@ -232,22 +259,28 @@ def _bearing_names(structure: Structure) -> dict[str, Any]:
 
 
 def _reduction(
-    structure: Structure | ReducedStructure, contacts: Sequence[Any], loads: Sequence[Any]
+    structure: Structure | ReducedStructure,
+    named: Mapping[str, Any],
+    limits: tuple[float, float] | None,
 ) -> tuple[ReducedStructure, tuple[str, ...]]:
     """A reduced structure, or all of it, and the coordinates that are states by themselves."""
     full = structure.structure if isinstance(structure, ReducedStructure) else structure
-    jumping = _coordinates(full, [each for each in contacts if not _plain(each)])
+    contacts = {name: each for name, each in named.items() if isinstance(each, _CONTACTS)}
+    jumping = {name: each for name, each in contacts.items() if not _plain(each)}
+    states = _coordinates(full, jumping)
     if isinstance(structure, ReducedStructure):
-        return structure, tuple(name for name in jumping if name in structure.keep)
+        return structure, tuple(name for name in states if name in structure.keep)
     if full.size > _MOST_FREEDOMS:
         raise OptionError(
             f"structure: it has {full.size} coordinates; at most {_MOST_FREEDOMS} can run:"
             " reduce it by nonsmooth.structures.reduce"
         )
+    # natural modes at a speed that the machine has: bearings may be unknown at rest
+    speeds = None if limits is None else min(max(limits[0], full.speed_range[0]), limits[1])
     if full.size <= _SMALL:
-        return reduce(full, full.coordinates, modes=full.size), full.coordinates
-    keep = _coordinates(full, [*contacts, *loads]) or full.coordinates[:1]
-    return reduce(full, keep, modes=full.size), jumping
+        return reduce(full, full.coordinates, modes=full.size, speeds=speeds), full.coordinates
+    keep = _coordinates(full, named) or full.coordinates[:1]
+    return reduce(full, keep, modes=full.size, speeds=speeds), states
 
 
 def _plain(contact: Any) -> bool:
@@ -259,15 +292,15 @@ def _plain(contact: Any) -> bool:
     return isinstance(contact, GapSpring) and contact.damping is None
 
 
-def _coordinates(structure: Structure, parts: Sequence[Any]) -> tuple[str, ...]:
+def _coordinates(structure: Structure, parts: Mapping[str, Any]) -> tuple[str, ...]:
     """Coordinates at which contacts and loads are, each once."""
-    found: dict[str, None] = {}
-    for part in parts:
+    found: dict[int, None] = {}
+    for name, part in parts.items():
         for key in ("coordinate", "x", "y"):
             given = getattr(part, key, ())
-            for each in (given,) if isinstance(given, str | int) else given:
-                found[structure.coordinates[structure.index(each)]] = None
-    return tuple(found)
+            for each in given if isinstance(given, tuple | list) else (given,):
+                found[place_of(each, structure.coordinates, f"{name}: {key}")] = None
+    return tuple(structure.coordinates[place] for place in found)
 
 
 def _speed_range(given: Any) -> tuple[float, float] | None:
@@ -300,6 +333,10 @@ def _words(
     _record_coordinates(words, place, outputs)
     for part in parts:
         for key, into in words.items():
+            if key in ("parameters", "definitions", "outputs", "surfaces"):
+                _refuse_twice(
+                    getattr(part, key), into, "name: two contacts or loads both declare {!r}"
+                )
             into |= getattr(part, key)
         for text, shares in part.loads:
             for state, share in zip(names, shares.tolist(), strict=True):

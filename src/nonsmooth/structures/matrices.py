@@ -14,12 +14,13 @@ from nonsmooth.errors import ModelError
 from nonsmooth.matrix_files import MATRIX_SUFFIXES, read_archive, read_matrix
 from nonsmooth.real_numbers import shown
 
-__all__ = ["MATRICES", "dense", "frozen", "is_sparse", "placed", "read_matrices", "read_structure",
-           "scaled"]  # fmt: skip
+__all__ = ["MATRICES", "check_definite", "dense", "frozen", "is_sparse", "placed", "read_matrices",
+           "read_structure", "scaled"]  # fmt: skip
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic")
 _SHORT = {"M": "mass", "K": "stiffness", "C": "damping", "G": "gyroscopic"}
 _KNOWN = (*MATRICES, *_SHORT, "coordinates")
+_ROUNDING = 1e-12  # of the largest eigenvalue: one that is below zero by no more may be zero
 
 
 def is_sparse(matrix: Any) -> bool:
@@ -74,8 +75,10 @@ def _square(name: str, given: Any) -> Any:
             raise TypeError
         matrix = matrix.astype(float)
     except (TypeError, ValueError, OverflowError):
+        objects = getattr(getattr(given, "dtype", None), "kind", "") == "O"
+        cure = "; this is an array of Python objects: turn it by .astype(float)" if objects else ""
         raise ModelError(
-            f"{name} = {shown(given)}: a matrix has real numbers in rows of one length"
+            f"{name} = {shown(given)}: a matrix has real numbers in rows of one length{cure}"
         ) from None
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.shape[0]:
         raise ModelError(
@@ -133,6 +136,54 @@ def _folder(path: Path) -> dict[str, Any]:
         for file in sorted(path.iterdir())
         if file.stem in (*MATRICES, *_SHORT) and file.suffix.lower() in suffixes
     }
+
+
+def check_definite(mass: Any) -> None:
+    """Refuse a symmetric mass matrix by which some velocity has no kinetic energy, or less.
+
+    By Cholesky's factors of a dense matrix, by the signs of the pivots of a sparse one.
+    """
+    if _is_definite(mass):
+        return
+    least, largest = _extreme_eigenvalues(mass)
+    if least < -_ROUNDING * largest:
+        raise ModelError(
+            f"mass is indefinite: its most negative eigenvalue is {least:.4g}, so some motion"
+            " would have negative kinetic energy; look for an entry with the wrong sign or place"
+        )
+    raise ModelError("mass is singular: every coordinate has inertia; condense those without it")
+
+
+def _is_definite(matrix: Any) -> bool:
+    if not is_sparse(matrix):
+        try:
+            np.linalg.cholesky(matrix)
+        except np.linalg.LinAlgError:
+            return False
+        return True
+    from scipy.sparse.linalg import splu
+
+    try:  # without exchanges of rows the pivots have the signs of the eigenvalues
+        factors = splu(
+            matrix.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+    except RuntimeError:  # a pivot is zero
+        return False
+    unchanged = (factors.perm_r == factors.perm_c).all()
+    return bool(unchanged and (factors.U.diagonal() > 0.0).all())
+
+
+def _extreme_eigenvalues(matrix: Any) -> tuple[float, float]:
+    """Least eigenvalue of a symmetric matrix, and a bound of the largest."""
+    if not is_sparse(matrix):
+        values = np.linalg.eigvalsh(matrix)
+        return float(values[0]), float(values[-1])
+    from scipy.sparse.linalg import eigsh
+
+    bound = float(abs(matrix).sum(axis=1).max())  # of all sizes, after Gershgorin
+    start = np.random.default_rng(0).normal(size=matrix.shape[0])  # the same digits each time
+    nearest = eigsh(matrix, 1, sigma=-1.01 * bound, v0=start, return_eigenvectors=False)
+    return float(nearest[0]), bound
 
 
 def scaled(matrix: Any, factor: float, levers: npt.NDArray[np.float64]) -> Any:

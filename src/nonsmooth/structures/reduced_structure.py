@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
-from nonsmooth.real_numbers import finite_numbers, shown
-from nonsmooth.structures.coordinates import place_of
+from nonsmooth.real_numbers import finite_numbers, finite_real, shown
+from nonsmooth.structures.coordinates import place_of, places_of
 from nonsmooth.structures.generalized_form import generalized_form
 from nonsmooth.structures.state_names import state_name
 from nonsmooth.structures.structure import Structure
@@ -53,7 +53,8 @@ class ReducedStructure:
     estimate : xarray.Dataset or None
         Over ``frequency`` in rad/s and ``speed``: ``error``, the relative error of the receptance
         at the kept coordinates that were asked for, and ``full`` and ``reduced``, sizes of the two
-        receptances for each of these. None where no range of frequencies was given.
+        receptances for each of these. The forces act on ``input``: these coordinates, and those in
+        ``driven`` of `reduce`. None where no range of frequencies was given.
 
     See Also
     --------
@@ -232,12 +233,12 @@ class ReducedStructure:
 
         states = tomllib.loads(run.attrs["system"])["states"] if "system" in run.attrs else ()
         form = generalized_form(self, self._states_of(states))
-        names = self.structure.coordinates if coordinates is None else coordinates
-        names = (names,) if isinstance(names, str) else tuple(names)
+        known = self.structure.coordinates
+        places = places_of(coordinates, known, "coordinates")
         rows = xr.DataArray(
-            form.basis[[self.structure.index(name) for name in names]],
+            form.basis[places],
             dims=("coordinate", "generalized"),
-            coords={"coordinate": list(names)},
+            coords={"coordinate": [known[place] for place in places]},
         )
         found = {}
         for prefix, name in (("", "displacement"), ("v", "velocity")):
@@ -262,7 +263,8 @@ class ReducedStructure:
             return values
         if isinstance(given, Mapping):
             for name, value in given.items():
-                values[self.structure.index(name)] = value
+                place = place_of(name, self.structure.coordinates, where)
+                values[place] = finite_real(f"{where}[{shown(name)}]", value)
             return values
         values = finite_numbers(where, given)
         if values.shape != (self.structure.size,):

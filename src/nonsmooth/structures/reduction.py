@@ -215,7 +215,6 @@ class _Truth:
             for group in (self.full, reduced)
         ]
         over = ("speed", "frequency", "coordinate")
-        names = [self.structure.coordinates[i] for i in self.at[:k]]
         return xr.Dataset(
             {
                 "error": (over[:2], self.errors(reduced), {"long_name": "relative error"}),
@@ -229,7 +228,8 @@ class _Truth:
                     self.frequencies,
                     {"units": "rad/s", "long_name": "frequency"},
                 ),
-                "coordinate": names,
+                "coordinate": [self.structure.coordinates[i] for i in self.at[:k]],
+                "input": [self.structure.coordinates[i] for i in self.at],
             },
             attrs={"size": found.size, "full_size": self.structure.size},
         )

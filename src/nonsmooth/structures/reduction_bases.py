@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError
-from nonsmooth.structures.matrices import dense, is_sparse
+from nonsmooth.structures.matrices import check_definite, dense, is_sparse
 
 __all__ = ["Bases", "CraigBampton", "FreeInterface", "NaturalModes"]
 
@@ -28,6 +28,7 @@ class NaturalModes:
     """Natural modes of a symmetric stiffness and mass matrix, found as more of them are wanted."""
 
     def __init__(self, stiffness: Any, mass: Any) -> None:
+        check_definite(mass)
         self._stiffness, self._mass = stiffness, mass
         self.size = int(mass.shape[0])
         self._squares = np.empty(0)
@@ -56,12 +57,7 @@ class NaturalModes:
         from scipy.linalg import eigh
 
         stiffness, mass = dense(self._stiffness), dense(self._mass)
-        try:
-            squares = eigh(stiffness, mass, eigvals_only=True)
-        except np.linalg.LinAlgError:
-            raise ModelError(
-                "mass is singular: every coordinate has inertia; condense those without it"
-            ) from None
+        squares = eigh(stiffness, mass, eigvals_only=True)
         rigid = squares < _ROUNDING * self.size * squares[-1]
         shift = float(squares[~rigid][0]) if rigid.any() and not rigid.all() else 0.0
         if rigid.all():

@@ -12,6 +12,7 @@ from nonsmooth.structures.contributions import (
     Attachment,
     Contribution,
     RingModes,
+    check_coordinates,
     check_name,
     check_text,
 )
@@ -84,6 +85,7 @@ class RubRing:
 
     def __post_init__(self) -> None:
         check_name("RubRing", self.name)
+        check_coordinates("RubRing", x=self.x, y=self.y)
         given: dict[str, Any] = {"gap": self.gap, "stiffness": self.stiffness}
         given |= {"centre_x": self.centre_x, "centre_y": self.centre_y}
         if self.friction is not None:
@@ -226,6 +228,7 @@ class SnubberRing:
 
     def __post_init__(self) -> None:
         check_name("SnubberRing", self.name)
+        check_coordinates("SnubberRing", x=self.x, y=self.y)
         names = ("gap", "stiffness", "damping", "preload_x", "preload_y", "centre_x", "centre_y")
         check_text("SnubberRing", **{name: getattr(self, name) for name in names})
 
