@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq, fsolve
+from scipy.optimize import fsolve
 
 import nonsmooth as ns
 from effort import calls_at_most
@@ -216,36 +216,6 @@ def test_rub_against_the_model_of_a_jeffcott_rotor():
     for name, called in pairs.items():
         # the same motion from other texts: rounding grows while the whip does
         assert abs(one[name].values - other[called].values).max() < 1e-8
-
-
-def test_a_shaft_with_many_modes_rolls_in_its_ring():
-    """Dry whip ends on a circle with the frequency -Omega R/r: a matter of the receptance there.
-
-    Real part: k (r - gap) presses where the shaft itself would like to be farther out. Imaginary
-    part: what the damping takes at that frequency is the friction that keeps it rolling.
-    """
-    small, omega, radius, k, gap = overhung(8), 60.0, 0.02, 1e7, 1e-4
-    ring = RubRing("8x", "8y", gap, k, friction=0.3, radius=radius)
-    system = machine(small, [ring], Omega=omega, period="2*pi/Omega")
-    assert "contact,rolling" in system.mode_names
-    mass, damping, stiffness = small.at_speed(omega)
-    rows = small.basis[[small.structure.index(name) for name in ("8x", "8y")]]
-    circle = np.array([1.0, -1j])  # x + iy of the real part of circle*exp(i w t) turns with w
-
-    def dynamic_stiffness(frequency):
-        whole = stiffness + 1j * frequency * damping - frequency**2 * mass
-        return 1.0 / (rows @ np.linalg.solve(whole, rows.T @ circle))[0]
-
-    def pressed(r):
-        return dynamic_stiffness(-omega * radius / r).real * r + k * (r - gap)
-
-    run = ns.simulate(system, {"x8": 2e-4, "vy8": -0.2}, t_end=20.0)
-    assert run.attrs["status"] == "completed"
-    assert ns.phase_word(run)[-1] == "contact,rolling"
-    r = brentq(pressed, 2.2e-3, 2.5e-3, xtol=1e-16)
-    assert float(run["rub1_radius_of_whirl"][-1]) == pytest.approx(r, rel=1e-9)
-    friction = dynamic_stiffness(-omega * radius / r).imag * r
-    assert float(run["rub1_friction"][-1]) == pytest.approx(friction, rel=1e-7)
 
 
 def test_friction_holds_a_coordinate_of_a_chain():

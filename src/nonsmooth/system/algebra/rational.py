@@ -71,7 +71,7 @@ def _terms(
         yield from _terms(graph, above, sign, (*around, ("/", below)), products)
     elif node.function == "*":
         moving = [argument for argument in node.arguments if graph.moves(argument)]
-        if len(moving) > 1 and not products or not moving:
+        if (len(moving) > 1 and not products) or not moving:
             yield node, sign, around
             return
         longest = max(moving, key=_length)
