@@ -484,6 +484,12 @@ def test_faults_name_what_is_wrong():
         machine(rotor_with(FORMULA), Omega=1.0)
     with pytest.raises(ns.ModelError, match=r"Omega <= 6.0 is required"):
         machine(rotor_with(TABULATED), Omega=7.0)
+    ring = {"gap": 0.1, "stiffness": 5.0}
+    for kind in (RubRing("29x", "29x", **ring), SnubberRing("29x", "29x", damping=1.0, **ring)):
+        with pytest.raises(ns.ModelError, match=r"(rub|ring)1: x and y are both '29x'"):
+            machine(small, [kind])
+    with pytest.raises(ns.ModelError, match=r"Omega > 0 is required, Omega = -3 was given: the"):
+        machine(small, loads=[Unbalance("28x", "29x", 1.0)], Omega=-3.0)
     large = ns.Structure(np.eye(300), np.eye(300))
     with pytest.raises(ns.OptionError, match="at most 255 can run"):
         machine(large)

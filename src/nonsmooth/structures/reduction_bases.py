@@ -62,7 +62,14 @@ class NaturalModes:
             raise ModelError(
                 "mass is singular: every coordinate has inertia; condense those without it"
             ) from None
-        rigid = squares < _ROUNDING * self.size * squares[-1]
+        nothing = _ROUNDING * self.size * abs(squares[-1])
+        if squares[0] < -nothing:
+            raise ModelError(
+                "stiffness: the structure buckles: the square of its lowest frequency is"
+                f" {squares[0]:.3g} (rad/s)^2; what pushes, such as a seal, can be a Bearing, which"
+                " is no part of the basis"
+            )
+        rigid = squares < nothing
         shift = float(squares[~rigid][0]) if rigid.any() and not rigid.all() else 0.0
         if rigid.all():
             shift = 1.0
