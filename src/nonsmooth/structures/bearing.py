@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, OptionError, unknown_choice
+from nonsmooth.errors import ModelError, OptionError, is_known, unknown_choice
 from nonsmooth.real_numbers import finite_numbers, shown
 from nonsmooth.structures.coordinates import places_of
 
@@ -99,7 +99,7 @@ class Bearing:
                 raise ModelError(f"coordinates: {shown(each)} is neither a name nor a number")
         if not isinstance(self.name, str):
             raise ModelError(f"name = {shown(self.name)}: give a text")
-        if self.interpolation not in _INTERPOLATIONS:
+        if not is_known(self.interpolation, _INTERPOLATIONS):
             raise ModelError(unknown_choice("interpolation", self.interpolation, _INTERPOLATIONS))
         object.__setattr__(self, "coordinates", listed)
         object.__setattr__(self, "speeds", _speeds(self.speeds))
