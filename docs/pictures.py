@@ -1,7 +1,8 @@
 """Draw the pictures of the pages anew: ``python docs/pictures.py tutorials case-studies``.
 
 The blocks of each page run in a folder of their own, and what they save under the name of a picture
-on the page replaces that picture. Nothing else is written.
+on the page replaces that picture. Nothing else is written. A page whose blocks are of ``py``, which
+need ROSS, is drawn where it is named itself: ``python docs/pictures.py how-to/from-ross.md``.
 """
 
 from __future__ import annotations
@@ -16,6 +17,10 @@ import tempfile
 from pathlib import Path
 
 DOCS = Path(__file__).parent.resolve()
+
+
+def _language(text: str) -> str:
+    return "python" if "```python\n" in text else "py"
 
 
 def draw(page: Path) -> list[Path]:
@@ -33,7 +38,7 @@ def draw(page: Path) -> list[Path]:
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         with contextlib.redirect_stdout(io.StringIO()):
-            for block in re.findall(r"```python\n(.*?)```", text, re.S):
+            for block in re.findall(rf"```{_language(text)}\n(.*?)```", text, re.S):
                 exec(compile(block, page.name, "exec"), names)
         plt.close("all")
         for target in targets:
@@ -48,7 +53,10 @@ def main(arguments: list[str]) -> None:
     places = [DOCS / name for name in arguments]
     found = [[place] if place.suffix else sorted(place.glob("*.md")) for place in places]
     # the picture of a page without code is one of a browser: docs/screens.py draws it
-    found = [[page for page in pages if "```python" in page.read_text("utf-8")] for pages in found]
+    found = [
+        [page for page in pages if len(pages) == 1 or "```python" in page.read_text("utf-8")]
+        for pages in found
+    ]
     for page in (page for pages in found for page in pages):
         for target in draw(page):
             print(target.relative_to(DOCS))

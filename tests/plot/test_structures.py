@@ -129,3 +129,16 @@ def test_a_reduced_model_is_drawn_beside_the_full_one(rotor, speeds):
         ns.plot.reduction(estimate, coordinate="5x")
     with pytest.raises(ns.OptionError, match="it has no 'full'"):
         ns.plot.reduction(estimate.drop_vars("full"))
+
+
+@pytest.mark.parametrize("highest", [30.0, 900.0])
+def test_names_of_multiples_of_the_speed_do_not_overlap(highest):
+    disc = ns.Structure([[2, 0], [0, 2]], [[800, 0], [0, 900]], coordinates=["1x", "1y"])
+    speeds = np.linspace(0.0, highest, 11)
+    orders = [0.48, 0.5, 1.0, 2.0, 3.0]
+    ax = ns.plot.campbell(ns.structures.campbell(disc, speeds, harmonics=orders))
+    ax.figure.canvas.draw()
+    names = [text for text in ax.texts if text.get_text().endswith("X")]
+    boxes = [text.get_window_extent() for text in names]
+    assert len(boxes) == len(orders)
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])

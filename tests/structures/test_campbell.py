@@ -201,3 +201,15 @@ def test_wrong_speeds_are_refused():
         campbell(rotor, [0.0, 60.0])
     with pytest.raises(ns.OptionError, match="harmonics"):
         campbell(jeffcott(), [0.0, 1.0], harmonics=[-1.0])
+
+
+def test_overdamped_motions_have_no_critical_speed_at_rest():
+    """A massive bearing in oil: its motions are overdamped at rest and whirl at no speed."""
+    held = ns.Structure(
+        np.eye(4),
+        np.diag([1e4, 1e4, 1e4, 1e4]),
+        damping=np.diag([10.0, 10.0, 500.0, 500.0]),
+        coordinates=["1x", "1y", "2x", "2y"],
+    )
+    found = campbell(held, np.linspace(0.0, 300.0, 7), count=4)
+    np.testing.assert_allclose(found["critical_speed"], [math.sqrt(1e4 - 25.0)] * 2, rtol=1e-12)

@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 import nonsmooth as ns
+from effort import calls_at_most
 from nonsmooth.structures import (
     BaseMotion,
     Beam,
@@ -428,6 +429,17 @@ def test_a_run_up_takes_the_coefficients_of_each_revolution():
         assert abs(float(up[name][-1]) - state[i]) < 1e-7
 
 
+def test_a_ring_on_a_shaft_with_long_tables_is_read_once():
+    """Each equation of the machine has all coefficients of both bearings in it."""
+    speeds = np.linspace(0.0, 600.0, 30)
+    table = 1e7 * (np.eye(2) + 0.1 * np.random.default_rng(1).random((30, 2, 2)))
+    held = [Bearing([f"{i}x", f"{i}y"], table, 1e-3 * table, speeds=speeds) for i in (0, 12)]
+    small = reduce(shaft([Beam(0.1, 0.05)] * 12, bearings=held), ["6x", "6y"], modes=14)
+    ring = RubRing("6x", "6y", gap=1e-4, stiffness=1e7)
+    with calls_at_most(6_000_000):  # 2.9 million; 13.9 million if each equation reads its own
+        machine(small, [ring], [Unbalance("6x", "6y", 1e-3)], Omega=100.0)
+
+
 def test_waterfall_has_the_unbalance_response_where_nothing_touches():
     structure = rotor_with(TABULATED)
     system = machine(
@@ -472,6 +484,12 @@ def test_faults_name_what_is_wrong():
         machine(rotor_with(FORMULA), Omega=1.0)
     with pytest.raises(ns.ModelError, match=r"Omega <= 6.0 is required"):
         machine(rotor_with(TABULATED), Omega=7.0)
+    ring = {"gap": 0.1, "stiffness": 5.0}
+    for kind in (RubRing("29x", "29x", **ring), SnubberRing("29x", "29x", damping=1.0, **ring)):
+        with pytest.raises(ns.ModelError, match=r"(rub|ring)1: x and y are both '29x'"):
+            machine(small, [kind])
+    with pytest.raises(ns.ModelError, match=r"Omega > 0 is required, Omega = -3 was given: the"):
+        machine(small, loads=[Unbalance("28x", "29x", 1.0)], Omega=-3.0)
     large = ns.Structure(np.eye(300), np.eye(300))
     with pytest.raises(ns.OptionError, match="at most 255 can run"):
         machine(large)

@@ -6,7 +6,7 @@ from scipy.linalg import eigh
 from scipy.sparse import csc_array
 
 import nonsmooth as ns
-from nonsmooth.structures import Bearing, Force, GapSpring, Stop, machine, reduce
+from nonsmooth.structures import Beam, Bearing, Force, GapSpring, Stop, machine, reduce, shaft
 from nonsmooth.structures.receptance_error import RESOLUTION
 from nonsmooth.structures.speed_texts import coefficient_pieces, piecewise_text
 from nonsmooth.system.text.evaluate import constant_value
@@ -162,6 +162,7 @@ def test_start_and_recover():
     [
         Bearing(["a", "b"], np.arange(20.0).reshape(5, 2, 2) ** 2, 3.0, speeds=[0, 1, 3, 4, 7]),
         Bearing("a", [1.0, 5.0], speeds=[0.0, 7.0]),
+        Bearing("a", [9.0, 1.0, 0.5, 0.4], speeds=[0, 1, 2, 7], interpolation="monotone"),
         Bearing(["a", "b"], lambda s: np.array([[np.exp(s), 1], [s**2, 5 / (1 + s**2)]]), np.cos),
     ],
 )
@@ -187,6 +188,32 @@ def test_coefficients_that_jump_are_refused():
         coefficient_pieces(rough, (0.0, 1.0))
 
 
+@pytest.mark.parametrize("sparse", [False, True])
+def test_a_bearing_that_pushes_is_reduced_too(sparse):
+    """Cross-coupling or a seal may push in some direction: the shaft holds it."""
+    pushing = [[2e6, 7e6], [5e6, 3e6]]  # its symmetric part has the eigenvalue -3.5e6
+    rotor = shaft(
+        [Beam(0.1, 0.05)] * 8,
+        bearings=[
+            *(Bearing([f"{node}x", f"{node}y"], 2e7, 1e3) for node in (0, 8)),
+            Bearing(["4x", "4y"], pushing, 1e3),
+        ],
+        sparse=sparse,
+    )
+    small = reduce(rotor, ["4x", "4y"], frequency_range=(0.0, 1000.0), accuracy=1e-3)
+    assert small.size < 20
+    matrices = (rotor.at_speed(0.0), small.at_speed(0.0))
+    at = [rotor.index(name) for name in ("4x", "4y")]
+    full, reduced = (
+        each[2].toarray() if hasattr(each[2], "toarray") else each[2] for each in matrices
+    )
+    rows = small.basis[at]
+    exact = np.linalg.inv(full)[np.ix_(at, at)]
+    np.testing.assert_allclose(
+        rows @ np.linalg.solve(reduced, rows.T), exact, rtol=1e-7, atol=1e-9 * np.abs(exact).max()
+    )
+
+
 def test_faults():
     structure = beam_structure(6)
     with pytest.raises(ns.OptionError, match="keep: there is none"):
@@ -201,6 +228,8 @@ def test_faults():
         reduce(structure, ["6y"], accuracy=1e-30, frequency_range=(0.0, 10.0))
     with pytest.raises(ns.OptionError, match=r"accuracy = 0 must be positive"):
         reduce(structure, ["6y"], accuracy=0.0, frequency_range=(0.0, 10.0))
+    with pytest.raises(ns.ModelError, match="the structure buckles"):
+        reduce(ns.Structure(np.eye(3), np.diag([-2.0, 3.0, 5.0])), ["q0"], modes=1)
     free = ns.Structure(np.eye(3), np.zeros((3, 3)))
     with pytest.raises(ns.ModelError, match="may still move freely"):
         reduce(free, ["q0"], modes=1, method="craig-bampton")

@@ -234,3 +234,30 @@ def test_root_locus_over_the_speed_is_a_campbell_diagram():
 def test_a_wrong_unbalance_is_refused(wrong, says):
     with pytest.raises(ns.OptionError, match=says):
         unbalance_response(disc(1.0, 1.0), [1.0], wrong)
+
+
+def whirling(speed_of_onset):
+    """A disc whose cross-coupling grows with the speed and beats the damping at one."""
+    m, c, k = 5.0, 120.0, 2e5
+    critical = c * math.sqrt(k / m)
+    oil = Bearing(
+        ["1x", "1y"],
+        lambda speed: critical * speed / speed_of_onset * np.array([[0.0, 1.0], [-1.0, 0.0]]),
+    )
+    return ns.Structure(
+        m * np.eye(2), k * np.eye(2), damping=c * np.eye(2), coordinates=["1x", "1y"],
+        bearings=[oil],
+    )  # fmt: skip
+
+
+def test_a_response_of_what_is_unstable_is_told():
+    onset = 250.0  # between 248 and 252
+    speeds = np.arange(100.0, 400.0, 4.0)
+    with pytest.warns(ns.ResultWarning, match=r"forward, grows as exp\(.* a speed of 252 rad/s"):
+        unbalance_response(whirling(onset), speeds, (1, 1e-3))
+    unbalance_response(whirling(onset), speeds[speeds < onset], (1, 1e-3))  # no warning
+    frequency_response(whirling(onset), [10.0, 20.0], speed=249.0)
+    growth = np.roots([5.0, 120.0, 2e5 - 1j * 120.0 * math.sqrt(2e5 / 5.0) * 252.0 / onset]).real
+    assert f"{growth.max():.4f}" == "0.0957"
+    with pytest.warns(ns.ResultWarning, match=r"mode of 200 rad/s, forward, grows as exp\(0.0957"):
+        frequency_response(whirling(onset), [10.0, 20.0], speed=252.0)

@@ -4,6 +4,9 @@ They share no code. `make ross` runs these tests in an environment of their own,
 many packages.
 """
 
+import contextlib
+import doctest
+import io
 import re
 import warnings
 from pathlib import Path
@@ -201,10 +204,25 @@ def test_what_is_no_rotor_is_refused():
         ns.Structure.from_ross({})
 
 
-def test_the_blocks_of_the_page_run():
-    page = Path(__file__).parents[2] / "docs" / "how-to" / "structures.md"
-    blocks = re.findall(r"```py\n(.*?)```", page.read_text(encoding="utf-8"), re.S)
-    names = {"ns": ns}
-    for block in blocks:
-        exec(compile(block, page.name, "exec"), names)
-    assert blocks and names["taken_over"].size == 4 * len(ross.rotor_example().nodes)
+ROOT = Path(__file__).parents[2]
+PAGES = [page for page in (ROOT / "docs").rglob("*.md") if "```py\n" in page.read_text("utf-8")]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_the_blocks_of_pages_run(page, tmp_path, monkeypatch):
+    """They print what the page says, and save its pictures where all of its blocks are these."""
+    import matplotlib
+
+    matplotlib.use("agg")
+    monkeypatch.chdir(tmp_path)
+    text, names = page.read_text(encoding="utf-8"), {"ns": ns}
+    blocks = re.findall(r"```py\n(.*?)```\n(?:\n((?: {4}[^\n]*\n|\n)+))?", text + "\n", re.S)
+    checker, rules = doctest.OutputChecker(), doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+    for block, shown in blocks:
+        with contextlib.redirect_stdout(io.StringIO()) as told:
+            exec(compile(block, page.name, "exec"), names)
+        said = told.getvalue()
+        assert not shown or checker.check_output(shown, said, rules), f"{block}\nprints\n\n{said}"
+    if "```python\n" not in text:
+        pictures = re.findall(r"!\[[^]]*\]\([^)]*/([^)/]+)\)", text)
+        assert pictures and all((tmp_path / picture).exists() for picture in pictures)

@@ -155,6 +155,33 @@ def test_tables_are_cubic_splines():
         bearing.at_speed(8.0)
 
 
+STEEP = [9e7, 1e6, 9e5, 8e5]
+
+
+def test_a_spline_that_changes_a_sign_is_told_and_a_monotone_one_does_not():
+    speeds = [0.0, 100.0, 200.0, 300.0]
+    held = {"speeds": speeds, "name": "seal"}
+    # of four speeds the spline is one cubic, which is least at 140 rad/s among those looked at
+    cubic = np.polynomial.Polynomial.fit(speeds, STEEP, 3)
+    assert f"{cubic(140.0):.3g}" == "-4.73e+06"
+    with pytest.warns(ns.ResultWarning, match=r"stiffness\[0, 0\] is -4.73e\+06 at 140 rad/s by"):
+        full(bearings=[ns.structures.Bearing("1x", STEEP, **held)])
+    monotone = ns.structures.Bearing("1x", STEEP, interpolation="monotone", **held)
+    full(bearings=[monotone])  # without a warning, which would be an error here
+    for bearing in (monotone, monotone.at("1x"), monotone.scaled(1.0, 1.0)):
+        values = [bearing.at_speed(speed)[0][0, 0] for speed in np.linspace(0.0, 300.0, 301)]
+        assert values[::100] == pytest.approx(STEEP, rel=1e-15)
+        assert (np.diff(values) < 0.0).all()
+    # three-point formula of Fritsch and Butland at 100: harmonic mean of the slopes on either side
+    slopes = np.diff(STEEP) / 100.0
+    at_knot = 2.0 / (1.0 / slopes[0] + 1.0 / slopes[1])
+    step = 1e-4
+    found = (monotone.at_speed(100.0 + step)[0] - monotone.at_speed(100.0 - step)[0]) / (2 * step)
+    assert found[0, 0] == pytest.approx(at_knot, rel=1e-3)  # difference over a bend
+    mixed = ns.structures.Bearing("1x", [5.0, -1.0, 5.0, 0.0], speeds=speeds)
+    assert mixed.overshoot() is None  # its table has both signs
+
+
 def test_constant_is_what_no_speed_changes():
     plain, table = ns.structures.Bearing("1x", 1.0), ns.structures.Bearing("1x", lambda s: 1.0)
     assert ns.Structure(M, K, coordinates=NAMES, bearings=[plain]).constant

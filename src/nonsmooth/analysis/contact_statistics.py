@@ -53,8 +53,9 @@ def contact_statistics(
     values : array_like, optional
         Its values.
     contact : str or sequence of str, optional
-        The mode, or the modes, that are contact; a mode stands for all of its cells. Any mode may
-        be asked for: sticking, progression, flight.
+        The mode, or the modes, that are contact; a mode stands for all of its cells, and a word in
+        the names of cells for these: ``contact`` for ``contact,rolling``. Any mode may be asked
+        for: sticking, progression, flight.
     of : str or sequence of str, optional
         States or outputs of which statistics over time are wanted, such as a contact force.
     percentiles : sequence of float, optional

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -35,6 +36,7 @@ _LABELS = {
 }
 _RPM, _HERTZ = 30.0 / math.pi, 0.5 / math.pi
 _ROOM = 1.12  # above the highest curve
+_PLACES = 15  # along a line at which its name may stand
 
 
 @checked
@@ -92,10 +94,12 @@ def campbell(
     else:
         senses = np.full(curves.shape, "none", dtype=object)
     top = _ROOM * float(np.nanmax(curves, initial=0.0)) or 1.0
-    for harmonic in np.atleast_1d(data.attrs["harmonics"]):
-        line = harmonic * data["speed"].values * up
+    lines = {
+        f"{harmonic:g}X": harmonic * data["speed"].values * up
+        for harmonic in np.atleast_1d(data.attrs["harmonics"])
+    }
+    for line in lines.values():
         ax.plot(speeds, line, color="0.55", linewidth=0.7, zorder=1)
-        _name_line(ax, speeds, line, top, f"{harmonic:g}X")
     for sense, style in SENSES.items():
         pieces = [_pieces(curve, senses[:, i] == sense) for i, curve in enumerate(curves.T)]
         # at rest alone, where motions go along lines, there is nothing to draw
@@ -109,6 +113,7 @@ def campbell(
             label="critical speed", zorder=4,
         )  # fmt: skip
     ax.set(xlim=(speeds[0], speeds[-1]), ylim=(0.0, top))
+    _name_lines(ax, speeds, lines, top)
     unit = ("rpm", "Hz") if units == "rpm" else ("rad/s", "rad/s")
     finish_axes(ax, f"speed of the shaft [{unit[0]}]", f"frequency [{unit[1]}]")
     if legend:
@@ -123,15 +128,32 @@ def _pieces(curve: npt.NDArray[Any], here: npt.NDArray[np.bool_]) -> npt.NDArray
     return np.where(beside, curve, np.nan)
 
 
-def _name_line(ax: Axes, speeds: Any, line: Any, top: float, name: str) -> None:
-    """Name of a multiple of the speed, beside the end of its line in the picture."""
+def _name_lines(ax: Axes, speeds: Any, lines: Mapping[str, Any], top: float) -> None:
+    """Name of each multiple of the speed beside the end of its line, or farther down where free."""
+    size = float(ax.xaxis.label.get_fontsize()) - 1.0
+    taken: list[npt.NDArray[np.float64]] = []
+    for name, line in lines.items():
+        end, place = _end_in_the_picture(speeds, line, top)
+        begin = np.array([speeds[0], line[0]])
+        room = np.array([0.8 * len(name), 1.3]) * size * ax.figure.dpi / 72.0  # of its letters
+        for share in np.linspace(1.0, 0.3, _PLACES):
+            point = begin + share * (end - begin)
+            at = ax.transData.transform(point)
+            if all((np.abs(at - other) > room).any() for other in taken):
+                break
+        taken.append(at)
+        ax.annotate(
+            name, point, textcoords="offset points", color="0.35", fontsize=size, **place
+        )  # fmt: skip
+
+
+def _end_in_the_picture(speeds: Any, line: Any, top: float) -> tuple[Any, dict[str, Any]]:
+    """Where a line leaves the picture, and how a text lies beside it there."""
     inside = np.flatnonzero(line <= top)
     last = int(inside[-1]) if inside.size else 0
-    x, y = float(speeds[last]), float(line[last])
-    place: dict[str, Any] = {"xytext": (-3.0, 3.0), "ha": "right", "va": "bottom"}
-    if last + 1 < len(speeds):
-        share = (top - line[last]) / (line[last + 1] - line[last])
-        x, y = float(speeds[last] + share * (speeds[last + 1] - speeds[last])), top
-        place = {"xytext": (3.0, -3.0), "ha": "left", "va": "top"}
-    size = float(ax.xaxis.label.get_fontsize()) - 1.0
-    ax.annotate(name, (x, y), textcoords="offset points", color="0.35", fontsize=size, **place)
+    if last + 1 == len(speeds):
+        place = {"xytext": (-3.0, 3.0), "ha": "right", "va": "bottom"}
+        return np.array([speeds[last], line[last]]), place
+    share = (top - line[last]) / (line[last + 1] - line[last])
+    x = float(speeds[last] + share * (speeds[last + 1] - speeds[last]))
+    return np.array([x, top]), {"xytext": (3.0, -3.0), "ha": "left", "va": "top"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -137,13 +138,19 @@ def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.
 
 
 def mode_numbers(system: System, mode: Any) -> tuple[int, ...]:
-    """Modes that a name stands for: a cell, cells of one name, or all cells of a mode."""
+    """Modes that a name stands for: a cell, cells of one name, or all cells of a mode.
+
+    Where there is none, all cells with it as a word of their names, as ``contact,rolling`` for
+    ``contact``.
+    """
     if mode is None:
         return (-1,)
     if not isinstance(mode, str):
         raise OptionError(f"mode = {mode!r:.60} is not the name of a mode")
     running = system.structure.running
     found = tuple(i for i, m in enumerate(running) if mode in (m.name, m.label, m.parent))
+    if not found:
+        found = tuple(i for i, m in enumerate(running) if mode in re.split(r"[][,]", m.label))
     if not found:
         known = [*system.modes, *system.mode_names]
         raise OptionError(f"mode: {unknown_name('mode', mode, dict.fromkeys(known))}")

@@ -4,17 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, NonsmoothError, OptionError
+from nonsmooth.errors import (
+    ModelError,
+    NonsmoothError,
+    OptionError,
+    is_known,
+    unknown_choice,
+)
 from nonsmooth.real_numbers import finite_numbers, shown
 from nonsmooth.structures.coordinates import places_of
 
-__all__ = ["Bearing"]
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+__all__ = ["Bearing", "through_table"]
+
+_INTERPOLATIONS = ("spline", "monotone")
+_LOOKS = 16  # in each interval of a table
+_ROUNDING = 1e-9  # of the largest coefficient: what is no change of sign
 
 Coefficients = Callable[[float], npt.NDArray[np.float64]]
 
@@ -35,9 +48,12 @@ class Bearing:
         array of k by k, a table of one of these for each of ``speeds``, n or n by k by k, or a
         function of the speed that returns a number or an array of k by k.
     speeds : array_like, optional
-        Speeds of the tables in rad/s, increasing. A cubic spline goes through the values; of two
-        speeds a line, of three a parabola. Of a function the first and the last one are those
-        between which it may be used.
+        Speeds of the tables in rad/s, increasing. Of a function the first and the last one are
+        those between which it may be used.
+    interpolation : {"spline", "monotone"}, optional
+        What goes through the values of a table: a cubic spline, of two speeds a line, of three a
+        parabola; or cubics that rise and fall only where the table does, after Fritsch and Butland.
+        A spline is smoother and closer to smooth coefficients, and may overshoot steep ones.
     name : str, optional
         What messages call it.
 
@@ -48,7 +64,12 @@ class Bearing:
 
     See Also
     --------
-    Structure : what a bearing holds.
+    Structure : what a bearing holds. It warns of splines that change the sign of a coefficient.
+
+    References
+    ----------
+    F. N. Fritsch and J. Butland, "A method for constructing local monotone piecewise cubic
+    interpolants", SIAM Journal on Scientific and Statistical Computing 5 (1984), 300-304.
 
     Examples
     --------
@@ -70,6 +91,7 @@ class Bearing:
     damping: Any = 0.0
     speeds: Any = field(default=None, kw_only=True)
     name: str = field(default="", kw_only=True)
+    interpolation: Literal["spline", "monotone"] = field(default="spline", kw_only=True)
 
     def __post_init__(self) -> None:
         listed = self.coordinates
@@ -85,11 +107,13 @@ class Bearing:
                 )
         if not isinstance(self.name, str):
             raise ModelError(f"Bearing: name = {shown(self.name)}: give a text")
+        if not is_known(self.interpolation, _INTERPOLATIONS):
+            raise ModelError(unknown_choice("interpolation", self.interpolation, _INTERPOLATIONS))
         object.__setattr__(self, "coordinates", listed)
         object.__setattr__(self, "speeds", _speeds(self._called, self.speeds))
         for part in ("stiffness", "damping"):
-            where = f"{self._called}: {part}"
-            law = _law(where, getattr(self, part), len(listed), self.speeds)
+            where, given = f"{self._called}: {part}", getattr(self, part)
+            law = _law(where, given, len(listed), self.speeds, self.interpolation)
             object.__setattr__(self, f"_{part}_at", law)
 
     @property
@@ -189,6 +213,7 @@ class Bearing:
             times(self.damping, self._damping_at, damping),  # type: ignore[attr-defined]  # as above
             speeds=None if self.speeds is None else self.speeds * speed,
             name=self.name,
+            interpolation=self.interpolation,
         )
 
     def at(self, coordinates: Any) -> Bearing:
@@ -230,7 +255,45 @@ class Bearing:
             part(self.damping, self._damping_at),  # type: ignore[attr-defined]  # as above
             speeds=self.speeds,
             name=self.name,
+            interpolation=self.interpolation,
         )
+
+    def overshoot(self) -> str | None:
+        """Where a spline gives a direct coefficient a sign that its table has nowhere.
+
+        Returns
+        -------
+        str or None
+            The coefficient, its value and the speed; None where there is none. Direct ones are
+            those on the diagonal, whose sign tells a bearing that holds from one that pushes.
+
+        Examples
+        --------
+        >>> import nonsmooth as ns
+        >>> steep = ns.structures.Bearing(
+        ...     "2x", [9e7, 1e6, 9e5, 8e5], speeds=[0.0, 100.0, 200.0, 300.0]
+        ... )
+        >>> steep.overshoot()
+        'stiffness[0, 0] is -4.73e+06 at 140 rad/s'
+        """
+        if self.speeds is None or self.interpolation != "spline":
+            return None
+        between = np.linspace(self.speeds[:-1], self.speeds[1:], _LOOKS).T.ravel()
+        for part in ("stiffness", "damping"):
+            law = getattr(self, f"_{part}_at")
+            if callable(getattr(self, part)) or not hasattr(law, "x"):
+                continue
+            table, values = (
+                np.diagonal(law(at), axis1=1, axis2=2) for at in (self.speeds, between)
+            )
+            for sign in (1.0, -1.0):
+                beyond = np.where((sign * table >= 0.0).all(axis=0), sign * values, 0.0)
+                beyond = beyond / (np.abs(table).max(axis=0) + np.finfo(float).tiny)
+                at, i = np.unravel_index(beyond.argmin(), beyond.shape)
+                if beyond[at, i] < -_ROUNDING:
+                    value = float(values[at, i])
+                    return f"{part}[{i}, {i}] is {value:.3g} at {between[at]:.3g} rad/s"
+        return None
 
     @property
     def _called(self) -> str:
@@ -248,7 +311,13 @@ def _speeds(called: str, given: Any) -> npt.NDArray[np.float64] | None:
     return speeds
 
 
-def _law(part: str, given: Any, size: int, speeds: npt.NDArray[np.float64] | None) -> Coefficients:
+def _law(
+    part: str,
+    given: Any,
+    size: int,
+    speeds: npt.NDArray[np.float64] | None,
+    interpolation: str,
+) -> Coefficients:
     """Coefficients as a function of the speed."""
     if callable(given):
 
@@ -270,9 +339,18 @@ def _law(part: str, given: Any, size: int, speeds: npt.NDArray[np.float64] | Non
         )
     if values.ndim == 1:
         values = _spread(values, size)
-    from scipy.interpolate import CubicSpline
+    assert speeds is not None  # a table has speeds
+    return through_table(speeds, values, interpolation)
 
-    return CubicSpline(speeds, values)
+
+def through_table(
+    speeds: npt.NDArray[np.float64], values: npt.ArrayLike, interpolation: str
+) -> CubicSpline | PchipInterpolator:
+    """Cubics in pieces through the values of a table."""
+    from scipy import interpolate
+
+    made = interpolate.CubicSpline if interpolation == "spline" else interpolate.PchipInterpolator
+    return made(speeds, values)
 
 
 def _value(part: str, function: Callable[[float], Any], speed: float) -> Any:

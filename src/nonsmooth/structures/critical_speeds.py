@@ -181,6 +181,8 @@ def _critical_speeds(
         for row, mode in np.argwhere(crossed):
             between = _Between(structure, path, int(row), int(mode))
             speed, value, vector = between.crossing(float(harmonic))
+            if abs(speed) <= _ON_LINE * float(abs(path.at[-1])):
+                continue  # an overdamped motion at rest, which does not whirl
             whirl = whirl_of(vector[:, None], structure.coordinates, speed)
             share = np.nan if whirl is None else float(whirl[0])
             found.append(_Crossing(speed, value, int(mode) + 1, float(harmonic), share))

@@ -89,8 +89,10 @@ def bearing_part(
     pieces = coefficient_pieces(bearing, speed_range)
     if not bearing.constant:
         made.turns = True
-        for sign, limit in ((">=", pieces[0].begin), ("<=", pieces[-1].end)):
-            made.require[f"Omega {sign} {limit!r}"] = f"{called} is known up to there"
+        for sign, limit, way in ((">=", pieces[0].begin, "from"), ("<=", pieces[-1].end, "up to")):
+            made.require[f"Omega {sign} {limit!r}"] = (
+                f"the coefficients of {called} are known {way} there"
+            )
     for i, row in enumerate(names):
         terms = []
         for j, column in enumerate(names):

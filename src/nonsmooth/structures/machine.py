@@ -173,6 +173,9 @@ def machine(
         words["describe"] |= {"Omega": "speed of the shaft [rad/s]"}
     if period is None and any(part.driven for part in parts):
         period = "2*pi/Omega"
+        words["require"]["Omega > 0"] = (
+            "the period is one revolution; for a shaft that turns from y to x exchange the two"
+        )
     for key, value in others.items():
         if key not in _OTHERS:
             raise OptionError(unknown_name("argument", key, _OTHERS))

@@ -16,9 +16,18 @@ from nonsmooth.structures.structure import Structure
 from nonsmooth.structures.whirl import directions_of, whirl_of
 from nonsmooth.version import __version__
 
-__all__ = ["eigenvalue_variables", "natural_modes", "normalised", "whirl_variables"]
+__all__ = [
+    "eigenvalue_variables",
+    "natural_modes",
+    "normalised",
+    "unstable_mode",
+    "whirl_variables",
+]
 
 Array = npt.NDArray[Any]
+
+_LOOKED_AT = 8  # modes among which an unstable one is sought: whirl of bearings and seals is slow
+_ROUNDING = 1e-6  # of a damping ratio, as the modes of fine meshes have it
 
 
 @checked
@@ -102,6 +111,20 @@ def natural_modes(
         variables |= whirl_variables("mode", whirl)
     attrs = {"speed": float(speed), "speed_units": "rad/s", "nonsmooth_version": __version__}
     return xr.Dataset(variables, coordinates, attrs)
+
+
+def unstable_mode(structure: Structure, speed: float) -> str | None:
+    """Words for the mode of the slowest few that grows most; None where all decay."""
+    modes = natural_modes(structure, speed, count=min(_LOOKED_AT, structure.size))
+    worst = modes.isel(mode=int(np.argmin(modes["damping_ratio"].values)))
+    if not worst["damping_ratio"].item() < -_ROUNDING:
+        return None
+    whirl = f", {worst['direction'].item()}" if "direction" in worst else ""
+    rate, frequency = worst["eigenvalue"].item().real, worst["damped_frequency"].item()
+    return (
+        f"the mode of {frequency:.4g} rad/s{whirl}, grows as exp({rate:.3g} t) at a speed of"
+        f" {speed:.6g} rad/s"
+    )
 
 
 def normalised(vectors: Array) -> Array:

@@ -13,6 +13,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.real_numbers import finite_numbers, shown, whole_number
 from nonsmooth.structures.coordinates import place_of
+from nonsmooth.structures.matrices import placed
 from nonsmooth.structures.receptance_error import (
     frequencies_between,
     full_receptance,
@@ -278,9 +279,23 @@ def _reference(structure: Structure, method: str, speed: float) -> tuple[tuple[F
         stiffness = structure.stiffness
     else:
         parts = [bearing.at_speed(speed)[0] for bearing in structure.bearings]
-        held = tuple(0.5 * (part + part.T) for part in parts)
-        stiffness = structure.at_speed(speed)[2]
+        held = tuple(_holding_part(0.5 * (part + part.T)) for part in parts)
+        stiffness = structure.stiffness
+        for bearing, part in zip(structure.bearings, held, strict=True):
+            at = [structure.index(name) for name in bearing.coordinates]
+            stiffness = placed(stiffness, part, np.ix_(at, at))
     return held, 0.5 * (stiffness + stiffness.T)
+
+
+def _holding_part(stiffness: Floats) -> Floats:
+    """A symmetric stiffness without the directions in which it pushes, as cross-coupling may do.
+
+    In the basis it stands for the bearing only; what is left out acts on the reduced model.
+    """
+    values, vectors = np.linalg.eigh(stiffness)
+    if values[0] >= 0.0:
+        return stiffness
+    return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T)
 
 
 def _check_accuracy(accuracy: float, modes: int | None, frequency_range: Any) -> None:

@@ -58,7 +58,14 @@ class NaturalModes:
 
         stiffness, mass = dense(self._stiffness), dense(self._mass)
         squares = eigh(stiffness, mass, eigvals_only=True)
-        rigid = squares < _ROUNDING * self.size * squares[-1]
+        nothing = _ROUNDING * self.size * abs(squares[-1])
+        if squares[0] < -nothing:
+            raise ModelError(
+                "stiffness: the structure buckles: the square of its lowest frequency is"
+                f" {squares[0]:.3g} (rad/s)^2; what pushes, such as a seal, can be a Bearing, which"
+                " is no part of the basis"
+            )
+        rigid = squares < nothing
         shift = float(squares[~rigid][0]) if rigid.any() and not rigid.all() else 0.0
         if rigid.all():
             shift = 1.0

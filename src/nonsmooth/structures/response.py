@@ -2,6 +2,7 @@ r"""`frequency_response` and `static_deflection`: a structure under forces."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
@@ -10,9 +11,10 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, ResultWarning
 from nonsmooth.real_numbers import finite_numbers, finite_real, shown
 from nonsmooth.structures.coordinates import in_direction, place_of, places_of
+from nonsmooth.structures.modes import unstable_mode
 from nonsmooth.structures.pencil import Pencil, computing_form, regular_solver
 from nonsmooth.structures.structure import Structure
 from nonsmooth.version import __version__
@@ -71,6 +73,11 @@ def frequency_response(
     ModelError
         When the response is infinite, at a natural frequency without damping.
 
+    Warns
+    -----
+    ResultWarning
+        When the structure is unstable at this speed: a motion then grows away from its response.
+
     See Also
     --------
     unbalance_response : forces that turn with the shaft.
@@ -108,6 +115,13 @@ def frequency_response(
                 f"at {frequency:g} rad/s the response is infinite; give damping, or other"
                 " frequencies"
             ) from None
+    words = unstable_mode(structure, float(speed))
+    if words is not None:
+        warnings.warn(
+            f"structure: {words}; motions leave this response, which is that of a settled one",
+            ResultWarning,
+            stacklevel=3,
+        )
     over: Any = ("frequency", "output", "input")
     return xr.Dataset(
         {

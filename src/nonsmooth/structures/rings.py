@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from nonsmooth.errors import ModelError
 from nonsmooth.models.rotors.matrices import ring_words
 from nonsmooth.models.rotors.texts import RingNames
 from nonsmooth.structures.contributions import (
@@ -97,7 +98,7 @@ class RubRing:
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the ring adds to the equations of a machine."""
         made = Contribution()
-        at_x, at_y = (place.kept(f"{name}: {k}", getattr(self, k)) for k in ("x", "y"))
+        at_x, at_y = _two_coordinates(name, self, place)
         gap = made.value(
             f"{name}_gap", self.gap, f"radial clearance of {name}",
             "> 0", "a ring without clearance is a bearing",
@@ -235,7 +236,7 @@ class SnubberRing:
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the ring adds to the equations of a machine."""
         made = Contribution()
-        at_x, at_y = (place.kept(f"{name}: {k}", getattr(self, k)) for k in ("x", "y"))
+        at_x, at_y = _two_coordinates(name, self, place)
         for key, label, require, reason in _SNUBBER:
             made.value(f"{name}_{key}", getattr(self, key), f"{label} of {name}", require, reason)
         _centre(made, name, self, state_name(at_x), state_name(at_y))
@@ -307,6 +308,15 @@ _LABELS = {
     "gap": "gap between shaft and ring",
     "energy": "elastic energy",
 }
+
+
+def _two_coordinates(name: str, ring: Any, place: Attachment) -> tuple[str, str]:
+    at_x, at_y = (place.kept(f"{name}: {key}", getattr(ring, key)) for key in ("x", "y"))
+    if at_x == at_y:
+        raise ModelError(
+            f"{name}: x and y are both {at_x!r}; give the two coordinates of the shaft at the ring"
+        )
+    return at_x, at_y
 
 
 def _centre(made: Contribution, name: str, ring: Any, x: str, y: str) -> None:

@@ -20,7 +20,7 @@ from nonsmooth.structures.bearing import Bearing
 __all__ = ["parts_of"]
 
 Array = npt.NDArray[np.float64]
-Tables = Literal["spline", "ross"]
+Tables = Literal["spline", "monotone", "ross"]
 
 _MATRICES = {"mass": "M0", "stiffness": "K0", "damping": "C0", "gyroscopic": "G0"}
 _PER_NODE = ("x", "y", "z", "rx", "ry", "rz")
@@ -119,6 +119,7 @@ def _bearing(held: _Held, names: list[str], tables: Tables, place: int) -> Beari
         _table(element, "c", len(speeds), len(rows)),
         speeds=speeds,
         name=name,
+        interpolation=tables,
     )
 
 

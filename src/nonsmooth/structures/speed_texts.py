@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError
-from nonsmooth.structures.bearing import Bearing
+from nonsmooth.structures.bearing import Bearing, through_table
 
 __all__ = ["SpeedPiece", "coefficient_pieces", "piecewise_text", "varies"]
 
@@ -48,11 +48,10 @@ def coefficient_pieces(
         begin, end = _range(bearing, speed_range)
         least = _NARROWEST * (end - begin)
         return list(_through(both, begin, end, least, np.abs(both(0.5 * (begin + end)))))
-    from scipy.interpolate import CubicSpline
-
     # the polynomials of the bearing itself, for it makes them in the same way
     assert bearing.speeds is not None
-    spline = CubicSpline(bearing.speeds, [both(speed) for speed in bearing.speeds.tolist()])
+    table = np.array([both(speed) for speed in bearing.speeds.tolist()])
+    spline = through_table(bearing.speeds, table, bearing.interpolation)
     knots = spline.x.tolist()
     return [
         SpeedPiece(begin, end, begin, 1.0, spline.c[:, i])

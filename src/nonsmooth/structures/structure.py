@@ -3,6 +3,7 @@ r"""`Structure`: a linear structure by its matrices, of any size, which may rota
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable
 from dataclasses import InitVar, dataclass, field, replace
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, ResultWarning
 from nonsmooth.real_numbers import shown
 from nonsmooth.structures.bearing import Bearing
 from nonsmooth.structures.coordinates import coordinate_names, place_of, places_of
@@ -68,6 +69,11 @@ class Structure:
         When a file cannot be read, shapes do not fit, a number is not finite, M is not symmetric,
         G is not skew-symmetric, or a name is unknown.
 
+    Warns
+    -----
+    ResultWarning
+        When the spline of a bearing gives a direct coefficient a sign that its table has nowhere.
+
     See Also
     --------
     nonsmooth.structures.shaft : a structure made of beams, discs and bearings.
@@ -111,6 +117,8 @@ class Structure:
         _check_symmetry(matrices)
         names = coordinate_names(self.coordinates, matrices["mass"].shape[0])
         bearings, places = _bearings(self.bearings, names)
+        for each in bearings:
+            _warn_of_overshoot(each)
         factors = factors_of(units, names)
         if factors is not None:
             matrices = {
@@ -194,7 +202,7 @@ class Structure:
         rotor: Any,
         *,
         coordinates: Literal["lateral", "all"] = "lateral",
-        tables: Literal["spline", "ross"] = "spline",
+        tables: Literal["spline", "monotone", "ross"] = "spline",
     ) -> Structure:
         """Take over a rotor that was described for ROSS, a library of rotor dynamics.
 
@@ -204,9 +212,9 @@ class Structure:
             The rotor.
         coordinates : {"lateral", "all"}, optional
             Whether to leave out axial motion and torsion, which a shaft is free to make.
-        tables : {"spline", "ross"}, optional
-            What goes through the coefficients of bearings that depend on the speed: the spline
-            of `Bearing`, through each of them, or that of ROSS.
+        tables : {"spline", "monotone", "ross"}, optional
+            What goes through the coefficients of bearings that depend on the speed: an
+            ``interpolation`` of `Bearing`, through each of them, or the smooth curve of ROSS.
 
         Returns
         -------
@@ -380,6 +388,18 @@ class Structure:
             stiffness = placed(stiffness, held, at)
             damping = placed(damping, damped, at)
         return self.mass, damping, stiffness
+
+
+def _warn_of_overshoot(bearing: Bearing) -> None:
+    found = bearing.overshoot()
+    if found is not None:
+        warnings.warn(
+            f"bearings: {found} by the spline through the table of {bearing.name or 'a bearing'} at"
+            f" {', '.join(map(str, bearing.coordinates))}, and the table has no such sign; give"
+            " interpolation='monotone', or more speeds there",
+            ResultWarning,
+            stacklevel=4,
+        )
 
 
 def _check_symmetry(matrices: dict[str, Matrix]) -> None:

@@ -24,11 +24,26 @@ _Around = tuple[tuple[str, Expression], ...]
 
 
 def signed_sum(graph: Graph, nodes: Sequence[Expression], signs: Sequence[int]) -> Expression:
-    """Sum of expressions, each with its sign, without the terms that are in it with both signs."""
+    """Sum of expressions, each with its sign, without the terms that are in it with both signs.
+
+    A product of sums stays as it is, unless terms of the longest one cancel: the rate of the slip
+    of a shaft on a ring has a sum of forces multiplied by a displacement.
+    """
+    terms, cancelled = _uncancelled(graph, nodes, signs, products=False)
+    if len(terms) > 1:
+        opened, more = _uncancelled(graph, nodes, signs, products=True)
+        terms = opened if more > cancelled else terms
+    return graph.add(*terms)
+
+
+def _uncancelled(
+    graph: Graph, nodes: Sequence[Expression], signs: Sequence[int], *, products: bool
+) -> tuple[list[Expression], int]:
+    """Terms of a sum that are not in it with both signs, and how many are."""
     counts: dict[tuple[object, ...], int] = {}
     kept: dict[tuple[object, ...], tuple[Expression, _Around]] = {}
     for node, sign in zip(nodes, signs, strict=True):
-        for term, own, around in _terms(graph, node, sign, ()):
+        for term, own, around in _terms(graph, node, sign, (), products):
             key = (id(term), *((operator, id(other)) for operator, other in around))
             counts[key] = counts.get(key, 0) + own
             kept[key] = term, around
@@ -37,32 +52,42 @@ def signed_sum(graph: Graph, nodes: Sequence[Expression], signs: Sequence[int]) 
         if count:
             term = _within(graph, *kept[key])
             terms.append(term if count == 1 else graph.multiply(graph.number(float(count)), term))
-    return graph.add(*terms)
+    return terms, len(counts) - len(terms)
 
 
 def _terms(
-    graph: Graph, node: Expression, sign: int, around: _Around
+    graph: Graph, node: Expression, sign: int, around: _Around, products: bool
 ) -> Iterator[tuple[Expression, int, _Around]]:
-    """Terms of a sum, with what multiplies all of it."""
+    """Terms of a sum, with what multiplies all of it; ``products`` of moving factors opened too."""
     if not isinstance(node, Call):
         yield node, sign, around
     elif node.function == "+":
         for argument in node.arguments:
-            yield from _terms(graph, argument, sign, around)
+            yield from _terms(graph, argument, sign, around, products)
     elif node.function == "neg":
-        yield from _terms(graph, node.arguments[0], -sign, around)
+        yield from _terms(graph, node.arguments[0], -sign, around, products)
     elif node.function == "/":
         above, below = node.arguments
-        yield from _terms(graph, above, sign, (*around, ("/", below)))
+        yield from _terms(graph, above, sign, (*around, ("/", below)), products)
     elif node.function == "*":
         moving = [argument for argument in node.arguments if graph.moves(argument)]
-        if len(moving) != 1:
+        if (len(moving) > 1 and not products) or not moving:
             yield node, sign, around
             return
-        rest = [argument for argument in node.arguments if argument is not moving[0]]
-        yield from _terms(graph, moving[0], sign, (*around, ("*", graph.multiply(*rest))))
+        longest = max(moving, key=_length)
+        rest = [argument for argument in node.arguments if argument is not longest]
+        outside = (*around, ("*", graph.multiply(*rest)))
+        yield from _terms(graph, longest, sign, outside, products)
     else:
         yield node, sign, around
+
+
+def _length(node: Expression) -> int:
+    """How many terms a sum has, within products and quotients too."""
+    if not isinstance(node, Call) or node.function not in ("+", "neg", "/", "*"):
+        return 1
+    counts = [_length(argument) for argument in node.arguments]
+    return sum(counts) if node.function == "+" else max(counts)
 
 
 def _within(graph: Graph, term: Expression, around: _Around) -> Expression:

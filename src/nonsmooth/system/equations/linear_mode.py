@@ -45,6 +45,8 @@ class LinearReader:
         self.equations = equations
         self._open: list[str] = []  # names being resolved, to see definitions that go in circles
         self._forms: dict[str, LinearForm] = {}
+        # of parts of trees, which equations share: a table of a bearing stands in each of them
+        self._parts: dict[int, LinearForm | NotLinear] = {}
         self.slaved: Mapping[str, LinearForm] = {}
         self._solved = False
 
@@ -57,12 +59,13 @@ class LinearReader:
         self.slaved = solve_slaved(self.equations.name, self.equations.slaved, residuals)
         self._solved = True
         self._forms.clear()  # what was read before the slaved states were known
+        self._parts.clear()
 
     def form(self, equation: Equation) -> LinearForm:
         """Linear form of an equation."""
         depth = len(self._open)
         try:
-            return linear_form(equation.tree, self.form_of).with_replaced(self.slaved)
+            return linear_form(equation.tree, self.form_of, self._parts).with_replaced(self.slaved)
         except NotLinear as fault:
             raise NonlinearText(fault.reason, fault.node, equation) from None
         finally:
