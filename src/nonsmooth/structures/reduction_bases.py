@@ -58,7 +58,7 @@ class NaturalModes:
 
         stiffness, mass = dense(self._stiffness), dense(self._mass)
         squares = eigh(stiffness, mass, eigvals_only=True)
-        rigid = squares < _ROUNDING * self.size * squares[-1]
+        rigid = squares <= _ROUNDING * self.size * squares[-1]
         shift = float(squares[~rigid][0]) if rigid.any() and not rigid.all() else 0.0
         if rigid.all():
             shift = 1.0
