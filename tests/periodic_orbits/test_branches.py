@@ -5,6 +5,7 @@ import pytest
 from mpmath import mp
 
 import nonsmooth as ns
+from nonsmooth.structures import Force, GapSpring, machine
 from periodic_orbits.references.mole_grazing import touching_b
 from periodic_orbits.references.oscillators import soft_grazing_amplitude
 from periodic_orbits.references.rigid_wall import RigidWall
@@ -195,3 +196,31 @@ def test_bouncing_ball_saddle_node_and_period_doubling(r, n):
     branch = ns.continue_orbit(system, "Gamma", (0.5 * low, 1.2 * high), initial=orbit)
     assert nearest(branch, low, "fold") < 1e-10
     assert nearest(branch, high, "flip") < 1e-9
+
+
+@pytest.mark.slow  # 90 orbits and their changes, some ten seconds
+def test_a_resonance_with_a_damped_stop_begins_and_ends_without_contact():
+    """It leaves the linear motion where that reaches the stop, and comes back to it.
+
+    At both places F is gap sqrt((1 - omega^2)^2 + (2 zeta omega)^2). At the second one two legs
+    vanish at once, and the parameter turns back.
+    """
+    F, zeta = 0.15, 0.01
+    stop = GapSpring("x", gap=1.0, stiffness=3.0, damping=1.0)
+    mass = ns.Structure([[1.0]], [[1.0]], damping=[[2 * zeta]], coordinates=["x"])
+    system = machine(
+        mass,
+        [stop],
+        [Force("x", "F*cos(omega*t)")],
+        parameters={"F": F, "omega": 0.9},
+        period="2*pi/omega",
+    )
+    branch = ns.continue_orbit(system, "omega", (0.9, 1.6), direction="up")
+    assert branch.attrs["end_last"] == "bound"
+    kinds, values = branch["special_kind"].values.tolist(), branch["special_value"].values
+    assert kinds[:2] == ["grazing", "fold"] and len(kinds) == 4
+    omega2 = (1 - 2 * zeta**2) + np.array([-1, 1]) * np.sqrt(
+        (1 - 2 * zeta**2) ** 2 - 1 + F**2
+    )  # of the squares
+    assert np.abs(values[[0, 2]] - np.sqrt(omega2)).max() < 1e-9
+    assert branch["word"].values[-1] == "free"
