@@ -31,6 +31,8 @@ LONG = {
     "case-studies/published-impacts.md", "case-studies/published-friction-and-gears.md",
     "case-studies/published-chapter.md",
     "machines/drill-string.md",
+    "machines/cantilever.md",
+    "machines/gear-pair.md",
 }  # fmt: skip
 DRAWN = {"tutorials", "case-studies", "machines", "explanation", "figures.md", "structures.md",
          "machines-with-contacts.md"}  # fmt: skip

@@ -224,3 +224,31 @@ def test_a_resonance_with_a_damped_stop_begins_and_ends_without_contact():
     )  # of the squares
     assert np.abs(values[[0, 2]] - np.sqrt(omega2)).max() < 1e-9
     assert branch["word"].values[-1] == "free"
+
+
+@pytest.mark.slow  # 60 orbits and their changes, some five seconds
+def test_teeth_come_off_one_side_of_their_play():
+    """They do where the amplitude of their force is the mean one, which is a closed form.
+
+    Behind the surface of the spring that is left lies the gap here, and not the other spring.
+    """
+    F, mean, zeta = 0.2, 0.5, 0.05
+    teeth = GapSpring({"x": -1.0}, gap=1.0, stiffness=1.0, side="both")
+    mass = ns.Structure([[1.0]], [[0.0]], damping=[[2 * zeta]], coordinates=["x"])
+    system = machine(
+        mass,
+        [teeth],
+        [Force("x", "F*cos(omega*t) - mean")],
+        parameters={"mean": mean, "F": F, "omega": 0.5},
+        period="2*pi/omega",
+    )
+    branch = ns.continue_orbit(
+        system, "omega", (0.5, 1.6), initial={"x": -1.5}, direction="up", largest_step=0.1
+    )
+    assert branch.attrs["end_last"] == "bound"
+    # the response is linear until then: F = mean |1 - omega^2 + 2 i zeta omega|
+    middle = 1 - 2 * zeta**2
+    away = np.sqrt(middle**2 - 1 + (F / mean) ** 2)
+    for omega in np.sqrt([middle - away, middle + away]):
+        assert nearest(branch, omega, "grazing") < 1e-9
+    assert branch["word"].values[-1] == "above"
