@@ -15,13 +15,7 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError
 from nonsmooth.real_numbers import finite_real, whole_number
-from nonsmooth.structures.elements import (
-    STEEL,
-    BendingElement,
-    TorsionElement,
-    set_material,
-    set_positive,
-)
+from nonsmooth.structures.elements import STEEL, PrismaticBeam, TorsionElement, set_positive
 
 __all__ = ["Beam", "Disc", "RectangularBeam"]
 
@@ -32,7 +26,7 @@ _SIGNS = np.array([[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0]])
 
 
 @dataclass(frozen=True)
-class Beam:
+class Beam(PrismaticBeam):
     r"""Element of a round shaft, solid or hollow, by Timoshenko's theory.
 
     Parameters
@@ -108,7 +102,7 @@ class Beam:
                 f"inner_diameter = {bore:g} must lie between 0 and the diameter {self.diameter:g}"
             )
         object.__setattr__(self, "inner_diameter", bore)
-        set_material(self)
+        self._check_material()
 
     @property
     def area(self) -> float:
@@ -121,29 +115,16 @@ class Beam:
         return math.pi / 64.0 * (self.diameter**4 - self.inner_diameter**4)
 
     @property
-    def mass(self) -> float:
-        """Mass in kg."""
-        return self.density * self.area * self.length
-
-    @property
-    def shear_ratio(self) -> float:
-        """Twelve times the bending over the shear stiffness and the length squared."""
-        return self._bending.shear_ratio
-
-    @property
-    def _bending(self) -> BendingElement:
-        """The element in one plane; it is the same in each."""
+    def _shear_coefficient(self) -> float:
         nu, m = self.poissons_ratio, (self.inner_diameter / self.diameter) ** 2
         whole = (1.0 + m) ** 2
-        coefficient = 6.0 * (1.0 + nu) * whole / ((7 + 6 * nu) * whole + (20 + 12 * nu) * m)
-        return BendingElement.of(self, coefficient)
+        return 6.0 * (1.0 + nu) * whole / ((7 + 6 * nu) * whole + (20 + 12 * nu) * m)
 
     @property
     def _torsion(self) -> TorsionElement:
         """The element in torsion; the polar moment of a round section is twice the other."""
-        shear_modulus = self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
         polar = 2.0 * self.second_moment
-        return TorsionElement(self.length, self.density * polar, shear_modulus * polar)
+        return TorsionElement(self.length, self.density * polar, self._shear_modulus * polar)
 
     def mass_matrix(self) -> Array:
         """Mass over x, y, rx, ry of both ends.
@@ -221,7 +202,7 @@ def _in_both_planes(matrix: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class RectangularBeam:
+class RectangularBeam(PrismaticBeam):
     r"""Element of a beam with a rectangular section, by Timoshenko's theory, in one plane.
 
     Parameters
@@ -281,7 +262,7 @@ class RectangularBeam:
     def __post_init__(self) -> None:
         for name in ("length", "width", "height"):
             set_positive(self, name)
-        set_material(self)
+        self._check_material()
 
     @property
     def area(self) -> float:
@@ -294,14 +275,9 @@ class RectangularBeam:
         return self.width * self.height**3 / 12.0
 
     @property
-    def mass(self) -> float:
-        """Mass in kg."""
-        return self.density * self.area * self.length
-
-    @property
-    def _bending(self) -> BendingElement:
+    def _shear_coefficient(self) -> float:
         nu = self.poissons_ratio
-        return BendingElement.of(self, 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu))
+        return 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ angles of these.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -15,39 +14,11 @@ import numpy.typing as npt
 from nonsmooth.errors import ModelError
 from nonsmooth.real_numbers import finite_real
 
-__all__ = ["STEEL", "BendingElement", "TorsionElement", "set_material", "set_positive"]
+__all__ = ["STEEL", "BendingElement", "PrismaticBeam", "TorsionElement", "set_positive"]
 
 Array = npt.NDArray[np.float64]
 
 STEEL = 2.1e11, 7850.0, 0.3  # Young's modulus, density, Poisson's ratio
-
-
-class PrismaticBeam(Protocol):
-    """A beam with one section along its length."""
-
-    @property
-    def length(self) -> float: ...
-
-    @property
-    def youngs_modulus(self) -> float: ...
-
-    @property
-    def density(self) -> float: ...
-
-    @property
-    def poissons_ratio(self) -> float: ...
-
-    @property
-    def shear(self) -> bool: ...
-
-    @property
-    def rotary_inertia(self) -> bool: ...
-
-    @property
-    def area(self) -> float: ...
-
-    @property
-    def second_moment(self) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -62,20 +33,6 @@ class BendingElement:
     """Of the sections, per length."""
     shear_ratio: float
     """Twelve times the bending over the shear stiffness and the length squared."""
-
-    @classmethod
-    def of(cls, beam: PrismaticBeam, shear_coefficient: float) -> BendingElement:
-        """The element of a beam, whose section has a shear coefficient."""
-        stiffness = beam.youngs_modulus * beam.second_moment
-        shear_modulus = beam.youngs_modulus / (2.0 * (1.0 + beam.poissons_ratio))
-        sheared = shear_coefficient * shear_modulus * beam.area
-        return cls(
-            beam.length,
-            beam.density * beam.area * beam.length,
-            stiffness,
-            beam.density * beam.second_moment if beam.rotary_inertia else 0.0,
-            12.0 * stiffness / (sheared * beam.length**2) if beam.shear else 0.0,
-        )
 
     def mass_matrix(self) -> Array:
         """Mass, that of the tilting sections included."""
@@ -141,14 +98,67 @@ def set_positive(thing: object, name: str) -> None:
     object.__setattr__(thing, name, value)
 
 
-def set_material(beam: PrismaticBeam) -> None:
-    """Check the material of a beam, and what its theory counts."""
-    for name in ("youngs_modulus", "density"):
-        set_positive(beam, name)
-    ratio = finite_real("poissons_ratio", beam.poissons_ratio, ModelError)
-    if not -1.0 < ratio <= 0.5:
-        raise ModelError(f"poissons_ratio = {ratio:g} must lie between -1 and 0.5")
-    object.__setattr__(beam, "poissons_ratio", ratio)
-    for name in ("shear", "rotary_inertia"):
-        if not isinstance(getattr(beam, name), bool):
-            raise ModelError(f"{name} = {getattr(beam, name)!r:.60}: give True or False")
+class PrismaticBeam:
+    """A beam with one section along its length, whose fields a dataclass has."""
+
+    length: float
+    youngs_modulus: float
+    density: float
+    poissons_ratio: float
+    shear: bool
+    rotary_inertia: bool
+
+    @property
+    def area(self) -> float:
+        """Area of the section in m^2."""
+        raise NotImplementedError
+
+    @property
+    def second_moment(self) -> float:
+        """Second moment of area about the axis of bending, in m^4."""
+        raise NotImplementedError
+
+    @property
+    def _shear_coefficient(self) -> float:
+        """Part of the area that carries shear."""
+        raise NotImplementedError
+
+    @property
+    def mass(self) -> float:
+        """Mass in kg."""
+        return self.density * self.area * self.length
+
+    @property
+    def shear_ratio(self) -> float:
+        """Twelve times the bending over the shear stiffness and the length squared."""
+        if not self.shear:
+            return 0.0
+        sheared = self._shear_coefficient * self._shear_modulus * self.area
+        return 12.0 * self.youngs_modulus * self.second_moment / (sheared * self.length**2)
+
+    @property
+    def _shear_modulus(self) -> float:
+        return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
+
+    @property
+    def _bending(self) -> BendingElement:
+        """The element in one plane."""
+        return BendingElement(
+            self.length,
+            self.mass,
+            self.youngs_modulus * self.second_moment,
+            self.density * self.second_moment if self.rotary_inertia else 0.0,
+            self.shear_ratio,
+        )
+
+    def _check_material(self) -> None:
+        """Check the material, and what the theory counts."""
+        for name in ("youngs_modulus", "density"):
+            set_positive(self, name)
+        ratio = finite_real("poissons_ratio", self.poissons_ratio, ModelError)
+        if not -1.0 < ratio <= 0.5:
+            raise ModelError(f"poissons_ratio = {ratio:g} must lie between -1 and 0.5")
+        object.__setattr__(self, "poissons_ratio", ratio)
+        for name in ("shear", "rotary_inertia"):
+            if not isinstance(getattr(self, name), bool):
+                raise ModelError(f"{name} = {getattr(self, name)!r:.60}: give True or False")
