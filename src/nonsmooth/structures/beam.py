@@ -15,7 +15,13 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError
 from nonsmooth.real_numbers import finite_real, whole_number
-from nonsmooth.structures.elements import STEEL, PrismaticBeam, TorsionElement, set_positive
+from nonsmooth.structures.elements import (
+    STEEL,
+    PrismaticBeam,
+    TorsionElement,
+    positive,
+    set_positive,
+)
 
 __all__ = ["Beam", "Disc", "RectangularBeam"]
 
@@ -96,11 +102,7 @@ class Beam(PrismaticBeam):
     def __post_init__(self) -> None:
         for name in ("length", "diameter"):
             set_positive(self, name)
-        bore = finite_real("inner_diameter", self.inner_diameter, ModelError)
-        if not 0.0 <= bore < self.diameter:
-            raise ModelError(
-                f"inner_diameter = {bore:g} must lie between 0 and the diameter {self.diameter:g}"
-            )
+        bore = _bore("Beam", self.inner_diameter, self.diameter)
         object.__setattr__(self, "inner_diameter", bore)
         self._check_material()
 
@@ -280,6 +282,15 @@ class RectangularBeam(PrismaticBeam):
         return 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
 
 
+def _bore(kind: str, given: object, diameter: float) -> float:
+    bore = finite_real(f"{kind}: inner_diameter", given, ModelError)
+    if not 0.0 <= bore < diameter:
+        raise ModelError(
+            f"{kind}: inner_diameter = {bore:g} must lie between 0 and the diameter {diameter:g}"
+        )
+    return bore
+
+
 @dataclass(frozen=True)
 class Disc:
     """A rigid disc at a node of a shaft.
@@ -318,17 +329,17 @@ class Disc:
     polar_inertia: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "node", whole_number("node", self.node, 0))
+        object.__setattr__(self, "node", whole_number("Disc: node", self.node, 0))
         set_positive(self, "mass")
         for name in ("diametral_inertia", "polar_inertia"):
-            value = finite_real(name, getattr(self, name), ModelError)
+            value = finite_real(f"Disc: {name}", getattr(self, name), ModelError)
             if value < 0.0:
-                raise ModelError(f"{name} = {value:g} must not be negative")
+                raise ModelError(f"Disc: {name} = {value:g} must not be negative")
             object.__setattr__(self, name, value)
         if self.polar_inertia > 2.0 * self.diametral_inertia * (1.0 + 1e-9):
             raise ModelError(
-                f"polar_inertia = {self.polar_inertia:g} is more than twice the diametral one,"
-                f" {self.diametral_inertia:g}, which no body has"
+                f"Disc: polar_inertia = {self.polar_inertia:g} is more than twice the diametral"
+                f" one, {self.diametral_inertia:g}, which no body has"
             )
 
     @classmethod
@@ -371,8 +382,9 @@ class Disc:
         >>> round(disc.mass, 3), round(disc.polar_inertia, 5)
         (32.757, 0.33125)
         """
-        if not width > 0.0:
-            raise ModelError(f"width = {width:g} must be positive")
+        for name, size in (("width", width), ("diameter", diameter), ("density", density)):
+            positive(f"Disc: {name}", size)
+        _bore("Disc", inner_diameter, diameter)
         whole = Beam(width, diameter, inner_diameter, density=density)
         squares = (diameter**2 + inner_diameter**2) / 8.0
         across = whole.mass * (squares / 2.0 + width**2 / 12.0)

@@ -14,7 +14,14 @@ import numpy.typing as npt
 from nonsmooth.errors import ModelError
 from nonsmooth.real_numbers import finite_real
 
-__all__ = ["STEEL", "BendingElement", "PrismaticBeam", "TorsionElement", "set_positive"]
+__all__ = [
+    "STEEL",
+    "BendingElement",
+    "PrismaticBeam",
+    "TorsionElement",
+    "positive",
+    "set_positive",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -90,11 +97,17 @@ class TorsionElement:
         return np.array([[1.0, -1.0], [-1.0, 1.0]]) * (self.stiffness / self.length)
 
 
+def positive(where: str, given: object) -> float:
+    """A number above zero."""
+    value = finite_real(where, given, ModelError)
+    if not value > 0.0:
+        raise ModelError(f"{where} = {value:g} must be positive")
+    return value
+
+
 def set_positive(thing: object, name: str) -> None:
     """Check a number of a frozen value, and keep it as a float."""
-    value = finite_real(name, getattr(thing, name), ModelError)
-    if not value > 0.0:
-        raise ModelError(f"{name} = {value:g} must be positive")
+    value = positive(f"{type(thing).__name__}: {name}", getattr(thing, name))
     object.__setattr__(thing, name, value)
 
 
@@ -153,12 +166,14 @@ class PrismaticBeam:
 
     def _check_material(self) -> None:
         """Check the material, and what the theory counts."""
+        kind = type(self).__name__
         for name in ("youngs_modulus", "density"):
             set_positive(self, name)
-        ratio = finite_real("poissons_ratio", self.poissons_ratio, ModelError)
+        ratio = finite_real(f"{kind}: poissons_ratio", self.poissons_ratio, ModelError)
         if not -1.0 < ratio <= 0.5:
-            raise ModelError(f"poissons_ratio = {ratio:g} must lie between -1 and 0.5")
+            raise ModelError(f"{kind}: poissons_ratio = {ratio:g} must lie between -1 and 0.5")
         object.__setattr__(self, "poissons_ratio", ratio)
         for name in ("shear", "rotary_inertia"):
             if not isinstance(getattr(self, name), bool):
-                raise ModelError(f"{name} = {getattr(self, name)!r:.60}: give True or False")
+                given = f"{getattr(self, name)!r:.60}"
+                raise ModelError(f"{kind}: {name} = {given}: give True or False")

@@ -298,7 +298,7 @@ def _coordinates(structure: Structure, parts: Mapping[str, Any]) -> tuple[str, .
     for name, part in parts.items():
         for key in ("coordinate", "x", "y"):
             given = getattr(part, key, ())
-            for each in given if isinstance(given, tuple | list) else (given,):
+            for each in given if isinstance(given, Mapping | tuple | list) else (given,):
                 found[place_of(each, structure.coordinates, f"{name}: {key}")] = None
     return tuple(structure.coordinates[place] for place in found)
 
