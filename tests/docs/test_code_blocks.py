@@ -29,7 +29,9 @@ LONG = {
     "rotor.md", "smoothing.md", "two-parameters.md",
     "case-studies/cracked-beam.md", "case-studies/fatigue-rig.md", "case-studies/mole.md",
     "case-studies/published-impacts.md", "case-studies/published-friction-and-gears.md",
-    "case-studies/published-chapter.md", "machines/drill-string.md", "machines/two-disc-rotor.md",
+    "case-studies/published-chapter.md",
+    "machines/cantilever.md", "machines/drill-string.md", "machines/gear-pair.md",
+    "machines/two-disc-rotor.md",
 }  # fmt: skip
 DRAWN = {"tutorials", "case-studies", "machines", "explanation", "figures.md", "structures.md",
          "machines-with-contacts.md"}  # fmt: skip

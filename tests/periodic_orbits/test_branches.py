@@ -5,6 +5,7 @@ import pytest
 from mpmath import mp
 
 import nonsmooth as ns
+from nonsmooth.structures import Force, GapSpring, machine
 from periodic_orbits.references.mole_grazing import touching_b
 from periodic_orbits.references.oscillators import soft_grazing_amplitude
 from periodic_orbits.references.rigid_wall import RigidWall
@@ -195,3 +196,59 @@ def test_bouncing_ball_saddle_node_and_period_doubling(r, n):
     branch = ns.continue_orbit(system, "Gamma", (0.5 * low, 1.2 * high), initial=orbit)
     assert nearest(branch, low, "fold") < 1e-10
     assert nearest(branch, high, "flip") < 1e-9
+
+
+@pytest.mark.slow  # 90 orbits and their changes, some ten seconds
+def test_a_resonance_with_a_damped_stop_begins_and_ends_without_contact():
+    """It leaves the linear motion where that reaches the stop, and comes back to it.
+
+    At both places F is gap sqrt((1 - omega^2)^2 + (2 zeta omega)^2). At the second one two legs
+    vanish at once, and the parameter turns back.
+    """
+    F, zeta = 0.15, 0.01
+    stop = GapSpring("x", gap=1.0, stiffness=3.0, damping=1.0)
+    mass = ns.Structure([[1.0]], [[1.0]], damping=[[2 * zeta]], coordinates=["x"])
+    system = machine(
+        mass,
+        [stop],
+        [Force("x", "F*cos(omega*t)")],
+        parameters={"F": F, "omega": 0.9},
+        period="2*pi/omega",
+    )
+    branch = ns.continue_orbit(system, "omega", (0.9, 1.6), direction="up")
+    assert branch.attrs["end_last"] == "bound"
+    kinds, values = branch["special_kind"].values.tolist(), branch["special_value"].values
+    assert kinds[:2] == ["grazing", "fold"] and len(kinds) == 4
+    omega2 = (1 - 2 * zeta**2) + np.array([-1, 1]) * np.sqrt(
+        (1 - 2 * zeta**2) ** 2 - 1 + F**2
+    )  # of the squares
+    assert np.abs(values[[0, 2]] - np.sqrt(omega2)).max() < 1e-9
+    assert branch["word"].values[-1] == "free"
+
+
+@pytest.mark.slow  # 60 orbits and their changes, some five seconds
+def test_teeth_come_off_one_side_of_their_play():
+    """They do where the amplitude of their force is the mean one, which is a closed form.
+
+    Behind the surface of the spring that is left lies the gap here, and not the other spring.
+    """
+    F, mean, zeta = 0.2, 0.5, 0.05
+    teeth = GapSpring({"x": -1.0}, gap=1.0, stiffness=1.0, side="both")
+    mass = ns.Structure([[1.0]], [[0.0]], damping=[[2 * zeta]], coordinates=["x"])
+    system = machine(
+        mass,
+        [teeth],
+        [Force("x", "F*cos(omega*t) - mean")],
+        parameters={"mean": mean, "F": F, "omega": 0.5},
+        period="2*pi/omega",
+    )
+    branch = ns.continue_orbit(
+        system, "omega", (0.5, 1.6), initial={"x": -1.5}, direction="up", largest_step=0.1
+    )
+    assert branch.attrs["end_last"] == "bound"
+    # the response is linear until then: F = mean |1 - omega^2 + 2 i zeta omega|
+    middle = 1 - 2 * zeta**2
+    away = np.sqrt(middle**2 - 1 + (F / mean) ** 2)
+    for omega in np.sqrt([middle - away, middle + away]):
+        assert nearest(branch, omega, "grazing") < 1e-9
+    assert branch["word"].values[-1] == "above"

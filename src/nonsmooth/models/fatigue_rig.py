@@ -108,8 +108,8 @@ def fatigue_rig(
 
     Forces that are too small let a mass off the specimen at rest. A mass that does not press stands
     at a distance from it: its contact force is zero, and :math:`\Delta_1 = f_1 - \gamma` is
-    negative, or :math:`\Delta_2 = -(f_2 + \gamma)` positive. With one mass on it the specimen is bent by
-    :math:`\gamma = (\max(f_1, 0) - \max(f_2, 0))/(1 + \vartheta^2 (1 + \epsilon))`.
+    negative, or :math:`\Delta_2 = -(f_2 + \gamma)` positive. With one mass on it the specimen is
+    bent by :math:`\gamma = (\max(f_1, 0) - \max(f_2, 0))/(1 + \vartheta^2 (1 + \epsilon))`.
 
     An edge crack lowers the stiffness of the specimen to ``open_stiffness`` times
     :math:`\vartheta^2` while its deflection :math:`X_3 + \gamma` is positive; at rest it is open

@@ -330,7 +330,8 @@ def _by_settled_motion(
         for way in (_way(point), -_way(point)):
             value = point.p + way * part * (high - low)
             guess = _motion_from(stretch, looked.turn.states[0], value, _TURNS)
-            if guess is None or _is_known(stretch, guess.word, back=way != _way(point)):
+            back = abs(value - point.p) if way != _way(point) else None
+            if guess is None or _is_known(stretch, guess.word, value, back):
                 continue
             start = _start(stretch, guess, value, replace(point, tangent_p=way))
             if start is None or not (
@@ -369,9 +370,16 @@ def _located_behind(
     return replace(before, kind=kind_of(name), detail=f"{in_words(system, word, name)}; {way_on}")
 
 
-def _is_known(stretch: BranchStretch, word: Word, *, back: bool) -> bool:
-    """Whether a word is that of the stretch, or of one before, which lie on the side behind."""
-    known = [stretch.equations.word, *(stretch.trail.words if back else ())]
+def _is_known(stretch: BranchStretch, word: Word, value: float, back: float | None) -> bool:
+    """Whether a word is that of the stretch, or, behind a change, of steps past the same value.
+
+    ``back`` is the distance from the change on the side that the branch comes from. A word that it
+    had elsewhere may well begin there: between two grazes a resonance comes from the motion
+    without contact and goes back to it.
+    """
+    known = [stretch.equations.word]
+    if back is not None:
+        known += [each for each in stretch.trail.words if stretch.trail.passes(each, value, back)]
     system = stretch.options.system
     return _cycle(word, system) in {_cycle(each, system) for each in known}
 

@@ -62,6 +62,11 @@ class Trail:
                 return float(np.sign(change))
         return 0.0
 
+    def passes(self, word: Word, value: float, near: float) -> bool:
+        """Whether a step of a word comes as near as this to a value of the parameter."""
+        ends = ((step.begin[-1], step.end[-1]) for step in self._steps.get(word, []))
+        return any(min(pair) - near <= value <= max(pair) + near for pair in ends)
+
     def leads_back(self, word: Word, points: list[Point]) -> bool:
         """Whether new points of a word lead along a step that was taken, against its direction."""
         there = [np.append(point.u, point.p) for point in points]

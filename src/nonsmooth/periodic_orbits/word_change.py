@@ -452,12 +452,40 @@ def _with_excursion(equations: OrbitEquations, turn: Turn, k: int, g: int) -> li
             instants = np.insert(turn.instants, k + 1, instant)
             new = Guess(Word(modes, paths), Turn(states, instants))
             return [_begun_at_event(equations, Change("grazing", new, f"rate:{k}"))]
+        if onto < 0:
+            path = _to_where_it_is(equations, mode, path, behind, instant)
         away = modes_along(wiring, mode, path)[-1]
         changes += [
             _opened(equations, turn, k, instant, (path, away, back), (behind, ends))
             for back in shortest_paths(wiring, away, mode)
         ]
     return [_begun_at_event(equations, change) for change in changes]
+
+
+def _to_where_it_is(
+    equations: OrbitEquations, mode: int, path: tuple[int, ...], state: Floats, instant: float
+) -> tuple[int, ...]:
+    """A path with the exits that follow at once: guards of the mode behind that are negative there.
+
+    A cell that does not know the sign of a surface leads to the positive side of it. Between two
+    springs that is contact on the other side, from which the motion goes on to the gap.
+    """
+    wiring = equations.legs.tables.wiring
+    while len(path) < PATH_LENGTH:
+        *_, before, there = modes_along(wiring, mode, path)
+        at = np.array([instant])
+        guards = equations.legs.follow_each(Word((there,), ((),)), state[None], at, at).others[0]
+        targets = targets_of_cell(wiring, there)
+        clear = -_GONE * np.nanmax(np.abs(guards), initial=0.0)  # the one that is touched is zero
+        passed = [
+            g
+            for g in range(min(len(targets), len(guards)))
+            if guards[g] < clear and targets[g] not in (before, -1) and not wiring.resets(there, g)
+        ]
+        if len(passed) != 1:
+            break
+        path = (*path, passed[0])
+    return path
 
 
 def _begun_at_event(equations: OrbitEquations, change: Change) -> Change:

@@ -6,8 +6,8 @@ structure, of contacts and of loads a system for all other functions; `reduce` m
 
 from __future__ import annotations
 
-from nonsmooth.structures.assembly import shaft
-from nonsmooth.structures.beam import Beam, Disc
+from nonsmooth.structures.assembly import assemble, plane_beam, shaft, torsional_shaft
+from nonsmooth.structures.beam import Beam, Disc, RectangularBeam
 from nonsmooth.structures.bearing import Bearing
 from nonsmooth.structures.contacts import DryFriction, GapSpring, Stop
 from nonsmooth.structures.critical_speeds import campbell
@@ -30,6 +30,7 @@ __all__ = [
     "DryFriction",
     "Force",
     "GapSpring",
+    "RectangularBeam",
     "ReducedStructure",
     "RubRing",
     "SnubberRing",
@@ -37,13 +38,16 @@ __all__ = [
     "Structure",
     "Unbalance",
     "Weight",
+    "assemble",
     "campbell",
     "frequency_response",
     "machine",
     "natural_modes",
+    "plane_beam",
     "reduce",
     "root_locus",
     "shaft",
     "static_deflection",
+    "torsional_shaft",
     "unbalance_response",
 ]

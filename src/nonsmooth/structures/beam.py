@@ -1,7 +1,7 @@
-r"""`Beam` and `Disc`: the parts of a shaft, as matrices over the coordinates of their nodes.
+r"""Beams and discs: the parts of a shaft, as matrices over the coordinates of their nodes.
 
-Axes: the shaft lies along z and turns from x to y. In one plane a beam has the displacement and the
-slope of each of its two ends. In the plane of x the slope is ``ry``, in that of y it is ``-rx``.
+Axes: the shaft lies along z and turns from x to y. In the plane of x the slope is ``ry``, in that
+of y it is ``-rx``.
 """
 
 from __future__ import annotations
@@ -15,18 +15,24 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError
 from nonsmooth.real_numbers import finite_real, whole_number
+from nonsmooth.structures.elements import (
+    STEEL,
+    PrismaticBeam,
+    TorsionElement,
+    positive,
+    set_positive,
+)
 
-__all__ = ["Beam", "Disc"]
+__all__ = ["Beam", "Disc", "RectangularBeam"]
 
 Array = npt.NDArray[np.float64]
 
-_STEEL = 2.1e11, 7850.0, 0.3  # Young's modulus, density, Poisson's ratio
 _PLANES = np.array([[0, 3, 4, 7], [1, 2, 5, 6]])  # of x, y, rx, ry of both ends
 _SIGNS = np.array([[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0]])
 
 
 @dataclass(frozen=True)
-class Beam:
+class Beam(PrismaticBeam):
     r"""Element of a round shaft, solid or hollow, by Timoshenko's theory.
 
     Parameters
@@ -53,6 +59,9 @@ class Beam:
     See Also
     --------
     nonsmooth.structures.shaft : a structure of such elements.
+    nonsmooth.structures.plane_beam : the same in one plane.
+    nonsmooth.structures.torsional_shaft : the same in torsion.
+    nonsmooth.structures.RectangularBeam : an element of a beam with a rectangular section.
 
     Notes
     -----
@@ -84,24 +93,18 @@ class Beam:
     length: float
     diameter: float
     inner_diameter: float = 0.0
-    youngs_modulus: float = _STEEL[0]
-    density: float = _STEEL[1]
-    poissons_ratio: float = _STEEL[2]
+    youngs_modulus: float = STEEL[0]
+    density: float = STEEL[1]
+    poissons_ratio: float = STEEL[2]
     shear: bool = True
     rotary_inertia: bool = True
 
     def __post_init__(self) -> None:
-        for name in ("length", "diameter", "youngs_modulus", "density"):
-            _set_positive(self, name)
+        for name in ("length", "diameter"):
+            set_positive(self, name)
         bore = _bore("Beam", self.inner_diameter, self.diameter)
-        ratio = finite_real("Beam: poissons_ratio", self.poissons_ratio, ModelError)
-        if not -1.0 < ratio <= 0.5:
-            raise ModelError(f"Beam: poissons_ratio = {ratio:g} must lie between -1 and 0.5")
         object.__setattr__(self, "inner_diameter", bore)
-        object.__setattr__(self, "poissons_ratio", ratio)
-        for name in ("shear", "rotary_inertia"):
-            if not isinstance(getattr(self, name), bool):
-                raise ModelError(f"Beam: {name} = {getattr(self, name)!r:.60}: give True or False")
+        self._check_material()
 
     @property
     def area(self) -> float:
@@ -114,21 +117,16 @@ class Beam:
         return math.pi / 64.0 * (self.diameter**4 - self.inner_diameter**4)
 
     @property
-    def mass(self) -> float:
-        """Mass in kg."""
-        return self.density * self.area * self.length
-
-    @property
-    def shear_ratio(self) -> float:
-        """Twelve times the bending over the shear stiffness and the length squared."""
-        if not self.shear:
-            return 0.0
+    def _shear_coefficient(self) -> float:
         nu, m = self.poissons_ratio, (self.inner_diameter / self.diameter) ** 2
         whole = (1.0 + m) ** 2
-        coefficient = 6.0 * (1.0 + nu) * whole / ((7 + 6 * nu) * whole + (20 + 12 * nu) * m)
-        shear_stiffness = coefficient * self.youngs_modulus / (2.0 * (1.0 + nu)) * self.area
-        bending = self.youngs_modulus * self.second_moment
-        return 12.0 * bending / (shear_stiffness * self.length**2)
+        return 6.0 * (1.0 + nu) * whole / ((7 + 6 * nu) * whole + (20 + 12 * nu) * m)
+
+    @property
+    def _torsion(self) -> TorsionElement:
+        """The element in torsion; the polar moment of a round section is twice the other."""
+        polar = 2.0 * self.second_moment
+        return TorsionElement(self.length, self.density * polar, self._shear_modulus * polar)
 
     def mass_matrix(self) -> Array:
         """Mass over x, y, rx, ry of both ends.
@@ -149,18 +147,7 @@ class Beam:
         >>> bool(np.isclose(move @ beam.mass_matrix() @ move, beam.mass, rtol=1e-14))
         True
         """
-        p, length = self.shear_ratio, self.length
-        m1 = 156.0 + 294.0 * p + 140.0 * p**2
-        m2 = (22.0 + 38.5 * p + 17.5 * p**2) * length
-        m3 = 54.0 + 126.0 * p + 70.0 * p**2
-        m4 = -(13.0 + 31.5 * p + 17.5 * p**2) * length
-        m5 = (4.0 + 7.0 * p + 3.5 * p**2) * length**2
-        m6 = -(3.0 + 7.0 * p + 3.5 * p**2) * length**2
-        moving = np.array(
-            [[m1, m2, m3, m4], [m2, m5, -m4, m6], [m3, -m4, m1, -m2], [m4, m6, -m2, m5]]
-        )
-        moving *= self.mass / (420.0 * (1.0 + p) ** 2)
-        return _in_both_planes(moving + self._tilting())
+        return _in_both_planes(self._bending.mass_matrix())
 
     def gyroscopic_matrix(self) -> Array:
         """Gyroscopic matrix at unit speed over x, y, rx, ry of both ends.
@@ -177,7 +164,8 @@ class Beam:
         >>> bool((G == -G.T).all())
         True
         """
-        between = 2.0 * self._tilting()  # the polar moment of a section is twice the other
+        # the polar moment of a section is twice the other
+        between = 2.0 * self._bending.tilting_matrix()
         matrix = np.zeros((8, 8))
         (x, y), (sx, sy) = _PLANES, _SIGNS
         matrix[np.ix_(x, y)] = between * np.outer(sx, sy)
@@ -205,27 +193,7 @@ class Beam:
         >>> bool(np.isclose(deflection, 0.25**3 / (3 * bending), rtol=1e-13))
         True
         """
-        p, length = self.shear_ratio, self.length
-        k1, k2 = 12.0, 6.0 * length
-        k3, k4 = (4.0 + p) * length**2, (2.0 - p) * length**2
-        bent = np.array(
-            [[k1, k2, -k1, k2], [k2, k3, -k2, k4], [-k1, -k2, k1, -k2], [k2, k4, -k2, k3]]
-        )
-        bent *= self.youngs_modulus * self.second_moment / (length**3 * (1.0 + p))
-        return _in_both_planes(bent)
-
-    def _tilting(self) -> Array:
-        """Rotary inertia of the sections in one plane."""
-        if not self.rotary_inertia:
-            return np.zeros((4, 4))
-        p, length = self.shear_ratio, self.length
-        r1, r2 = 36.0, (3.0 - 15.0 * p) * length
-        r3 = (4.0 + 5.0 * p + 10.0 * p**2) * length**2
-        r4 = (-1.0 - 5.0 * p + 5.0 * p**2) * length**2
-        tilting = np.array(
-            [[r1, r2, -r1, r2], [r2, r3, -r2, r4], [-r1, -r2, r1, -r2], [r2, r4, -r2, r3]]
-        )
-        return tilting * (self.density * self.second_moment / (30.0 * length * (1.0 + p) ** 2))
+        return _in_both_planes(self._bending.stiffness_matrix())
 
 
 def _in_both_planes(matrix: Array) -> Array:
@@ -235,16 +203,83 @@ def _in_both_planes(matrix: Array) -> Array:
     return whole
 
 
-def _set_positive(thing: object, name: str) -> None:
-    value = _positive(f"{type(thing).__name__}: {name}", getattr(thing, name))
-    object.__setattr__(thing, name, value)
+@dataclass(frozen=True)
+class RectangularBeam(PrismaticBeam):
+    r"""Element of a beam with a rectangular section, by Timoshenko's theory, in one plane.
 
+    Parameters
+    ----------
+    length : float
+        Length in m.
+    width : float
+        Width of the section in m, across the plane in which the beam bends.
+    height : float
+        Its height in m, along the deflection.
+    youngs_modulus, density, poissons_ratio : float, optional
+        Of the material, in Pa and kg/m^3; steel by default.
+    shear : bool, optional
+        Whether shear bends the beam too.
+    rotary_inertia : bool, optional
+        Whether sections resist tilting. Without this and shear the beam is that of Euler and
+        Bernoulli.
 
-def _positive(where: str, given: object) -> float:
-    value = finite_real(where, given, ModelError)
-    if not value > 0.0:
-        raise ModelError(f"{where} = {value:g} must be positive")
-    return value
+    Raises
+    ------
+    ModelError
+        When a value is not possible.
+
+    See Also
+    --------
+    nonsmooth.structures.plane_beam : a structure of such elements.
+    nonsmooth.structures.Beam : a round element, with the theory of both.
+
+    Notes
+    -----
+    Cowper's shear coefficient of a rectangle [1]_ does not depend on its sides:
+
+    .. math:: \kappa = \frac{10 (1+\nu)}{12 + 11 \nu}
+
+    References
+    ----------
+    .. [1] G. R. Cowper, "The shear coefficient in Timoshenko's beam theory", Journal of Applied
+       Mechanics 33 (1966), 335-340.
+
+    Examples
+    --------
+    >>> import nonsmooth as ns
+    >>> strip = ns.structures.RectangularBeam(0.3, width=0.02, height=0.002)
+    >>> round(strip.mass, 4), round(1e12 * strip.second_moment, 4)
+    (0.0942, 13.3333)
+    """
+
+    length: float
+    width: float
+    height: float
+    youngs_modulus: float = STEEL[0]
+    density: float = STEEL[1]
+    poissons_ratio: float = STEEL[2]
+    shear: bool = True
+    rotary_inertia: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("length", "width", "height"):
+            set_positive(self, name)
+        self._check_material()
+
+    @property
+    def area(self) -> float:
+        """Area of the section in m^2."""
+        return self.width * self.height
+
+    @property
+    def second_moment(self) -> float:
+        """Second moment of area about the axis across the plane, in m^4."""
+        return self.width * self.height**3 / 12.0
+
+    @property
+    def _shear_coefficient(self) -> float:
+        nu = self.poissons_ratio
+        return 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
 
 
 def _bore(kind: str, given: object, diameter: float) -> float:
@@ -295,7 +330,7 @@ class Disc:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "node", whole_number("Disc: node", self.node, 0))
-        _set_positive(self, "mass")
+        set_positive(self, "mass")
         for name in ("diametral_inertia", "polar_inertia"):
             value = finite_real(f"Disc: {name}", getattr(self, name), ModelError)
             if value < 0.0:
@@ -316,7 +351,7 @@ class Disc:
         diameter: float,
         inner_diameter: float = 0.0,
         *,
-        density: float = _STEEL[1],
+        density: float = STEEL[1],
     ) -> Disc:
         """A disc that is a cylinder.
 
@@ -348,7 +383,7 @@ class Disc:
         (32.757, 0.33125)
         """
         for name, size in (("width", width), ("diameter", diameter), ("density", density)):
-            _positive(f"Disc: {name}", size)
+            positive(f"Disc: {name}", size)
         _bore("Disc", inner_diameter, diameter)
         whole = Beam(width, diameter, inner_diameter, density=density)
         squares = (diameter**2 + inner_diameter**2) / 8.0

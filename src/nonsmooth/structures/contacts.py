@@ -41,14 +41,16 @@ class Stop:
 
     Parameters
     ----------
-    coordinate : str or tuple of str
-        The coordinate, or two of which the second is subtracted.
+    coordinate : str, tuple of str or mapping of str to float
+        The coordinate, two of which the second is subtracted, or factors of several.
     gap : float or str
         Distance of the stop from zero.
     restitution : float or str
         Speed after an impact over that before, from 0 to 1.
     side : {"above", "below", "both"}, optional
         Whether the stop is at ``gap``, at minus ``gap``, or there is one at both.
+    offset : float or str, optional
+        Displacement of the stop itself, a text of ``t`` and of parameters where it moves.
     rest : bool, optional
         Whether the coordinate may rest at the stop. Without it a run ends as ``event_limit`` where
         rebounds accumulate.
@@ -81,22 +83,26 @@ class Stop:
     gap: Text
     restitution: Text
     side: str = field(default="above", kw_only=True)
+    offset: Text | None = field(default=None, kw_only=True)
     rest: bool = field(default=True, kw_only=True)
     name: str = field(default="", kw_only=True)
     kind: ClassVar[str] = "stop"
 
     def __post_init__(self) -> None:
         check_name("Stop", self.name)
-        check_coordinates("Stop", pair=True, coordinate=self.coordinate)
+        check_coordinates("Stop", several=True, coordinate=self.coordinate)
         check_side("Stop", self.side, _SIDES)
         check_text("Stop", gap=self.gap, restitution=self.restitution)
         if not isinstance(self.rest, bool):
             raise ModelError(f"Stop: rest = {shown(self.rest)}: give True or False")
+        if self.offset is not None:
+            check_text("Stop", offset=self.offset)
 
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the stop adds to the equations of a machine."""
         made = Contribution()
-        where = SumOfCoordinates.read(f"{name}: coordinate", self.coordinate, place)
+        offset = made.offset(name, self.offset, moves=True)
+        where = SumOfCoordinates.read(f"{name}: coordinate", self.coordinate, place, offset)
         gap = made.value(f"{name}_gap", self.gap, f"gap of {name}")
         r = made.value(
             f"{name}_restitution", self.restitution, f"coefficient of restitution of {name}",
@@ -105,7 +111,7 @@ class Stop:
         if not isinstance(self.restitution, str):
             made.require[f"{r} <= 1"] = "an impact adds no energy"
         resets = _rebounds(where, f"(1 + {r})", place)
-        if len(where.factors) == 1 and len(resets) == 1:
+        if len(where.factors) == 1 and len(resets) == 1 and not where.offset.text:
             resets = {each: f"-{r}*{each}" for each in resets}
         for side in ("above", "below") if self.side == "both" else (self.side,):
             called = f"{name}_{side}" if self.side == "both" else name
@@ -132,8 +138,8 @@ def _rebounds(where: SumOfCoordinates, factor: str, place: Attachment) -> dict[s
     states = place.form.states
     inertia = place.form.mass[: len(states), : len(states)]
     push = np.zeros(len(states))
-    for coordinate, sign in where.factors.items():
-        push[states.index(coordinate)] = sign
+    for coordinate, share in where.factors.items():
+        push[states.index(coordinate)] = share
     moved = np.linalg.solve(inertia, push)
     moved /= push @ moved  # velocities by an impulse that takes the relative speed one
     moved[np.abs(moved) <= 1e-14 * np.abs(moved).max()] = 0.0
@@ -155,8 +161,10 @@ class GapSpring:
 
     Parameters
     ----------
-    coordinate : str or tuple of str
-        The coordinate, or two of which the second is subtracted; the force then acts between them.
+    coordinate : str, tuple of str or mapping of str to float
+        The coordinate x, or two of which the second is subtracted; the force then acts between
+        them. Or factors of several: with ``{"pinion rz": 0.04, "wheel rz": -0.06}`` x is the
+        deformation of a gear mesh with these radii, and the force acts as torques.
     gap : float or str
         Displacement at which the spring begins; may be negative, which is a preload, but with
         ``side="both"``: two springs that overlap are two contacts.
@@ -166,6 +174,10 @@ class GapSpring:
         Damping while in contact; none by default.
     side : {"above", "below", "both"}, optional
         Whether the spring is beyond ``gap``, below minus ``gap``, or there is one at both.
+    offset : float or str, optional
+        Displacement of what the spring is fixed on, which is subtracted from x: a text such as
+        ``"e*cos(omega*t)"`` where a stop moves, or the transmission error of gears. With a
+        damper it is a text of ``t`` and of parameters.
     name : str, optional
         What parameters and outputs begin with; ``spring1``, ``spring2``, ... by default.
 
@@ -197,21 +209,24 @@ class GapSpring:
     stiffness: Text
     damping: Text | None = None
     side: str = field(default="above", kw_only=True)
+    offset: Text | None = field(default=None, kw_only=True)
     name: str = field(default="", kw_only=True)
     kind: ClassVar[str] = "spring"
 
     def __post_init__(self) -> None:
         check_name("GapSpring", self.name)
-        check_coordinates("GapSpring", pair=True, coordinate=self.coordinate)
+        check_coordinates("GapSpring", several=True, coordinate=self.coordinate)
         check_side("GapSpring", self.side, _SIDES)
         check_text("GapSpring", gap=self.gap, stiffness=self.stiffness)
-        if self.damping is not None:
-            check_text("GapSpring", damping=self.damping)
+        for key in ("damping", "offset"):
+            if getattr(self, key) is not None:
+                check_text("GapSpring", **{key: getattr(self, key)})
 
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the spring adds to the equations of a machine."""
         made = Contribution()
-        where = SumOfCoordinates.read(f"{name}: coordinate", self.coordinate, place)
+        offset = made.offset(name, self.offset, moves=self.damping is not None)
+        where = SumOfCoordinates.read(f"{name}: coordinate", self.coordinate, place, offset)
         both = self.side == "both"
         gap = made.value(
             f"{name}_gap", self.gap, f"gap of {name}", ">= 0" if both else "",
@@ -280,8 +295,8 @@ class DryFriction:
 
     Parameters
     ----------
-    coordinate : str or tuple of str
-        The coordinate, or two that rub on each other.
+    coordinate : str, tuple of str or mapping of str to float
+        The coordinate, two that rub on each other, or factors of several.
     force : float or str
         Kinetic friction; a text may depend on states, such as a coefficient times a contact force.
     static : float or str, optional
@@ -314,7 +329,7 @@ class DryFriction:
 
     def __post_init__(self) -> None:
         check_name("DryFriction", self.name)
-        check_coordinates("DryFriction", pair=True, coordinate=self.coordinate)
+        check_coordinates("DryFriction", several=True, coordinate=self.coordinate)
         check_text("DryFriction", force=self.force)
         for key in ("static", "speed"):
             if getattr(self, key) is not None:

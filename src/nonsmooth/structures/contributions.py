@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,10 +13,13 @@ from nonsmooth.errors import ModelError, is_known
 from nonsmooth.real_numbers import finite_real, shown
 from nonsmooth.structures.coordinates import is_rotation, place_of
 from nonsmooth.structures.generalized_form import GeneralizedForm
-from nonsmooth.structures.state_names import state_name, velocity_name
+from nonsmooth.structures.state_names import state_name, velocity_name, weighted_sum
 from nonsmooth.structures.structure import Structure
+from nonsmooth.system.algebra.differentiate import rate_of_change
+from nonsmooth.system.algebra.graph import Graph
 from nonsmooth.system.parts import Exit, Text
 from nonsmooth.system.surfaces import Surface
+from nonsmooth.system.text.expressions import name_set, to_text
 from nonsmooth.system.text.grammar import is_name, parse, why_no_name
 
 __all__ = [
@@ -31,6 +34,16 @@ __all__ = [
 ]  # fmt: skip
 
 Floats = npt.NDArray[np.float64]
+
+
+class Offset(NamedTuple):
+    """Texts of a displacement that is imposed, and of its rate; without a text there is none."""
+
+    text: str
+    rate: str = "0"
+
+
+_FIXED = Offset("")
 
 
 @dataclass
@@ -63,6 +76,8 @@ class Contribution:
     """Text of a force, and how much of it acts on each generalized coordinate."""
     cells: dict[str, str] = field(default_factory=dict)
     """Names of cells by the signs of its surfaces, where nothing else has surfaces."""
+    constants: dict[str, str] = field(default_factory=dict)
+    """Names that have to be parameters, and the text that they stand in."""
     ring: RingModes | None = None
     turns: bool = False
     """Whether the speed Omega of the shaft stands in the texts."""
@@ -82,6 +97,17 @@ class Contribution:
             if require:
                 self.require[f"{name} {require}"] = reason
         return name
+
+    def offset(self, name: str, given: Text | None, *, moves: bool) -> Offset:
+        """Displacement of what a contact is fixed on; with its rate where that is needed."""
+        if given is None:
+            return _FIXED
+        called = f"{name}_offset"
+        self.value(called, given, f"displacement of what {name} is fixed on [m]")
+        if not moves or not isinstance(given, str):
+            return Offset(called)
+        self.constants |= dict.fromkeys(sorted(name_set(parse(given)) - {"t", "pi"}), called)
+        return Offset(called, rate_of_text(given))
 
 
 @dataclass(frozen=True)
@@ -125,46 +151,86 @@ class Attachment:
 
 @dataclass(frozen=True)
 class SumOfCoordinates:
-    """A displacement that contacts look at: one coordinate, or one minus another."""
+    """A displacement that contacts look at: coordinates by their factors, less an offset."""
 
     factors: Mapping[str, float]
+    weighted: bool = False
+    """Whether the factors were given."""
+    offset: Offset = _FIXED
+    """Of what the contact is fixed on."""
 
     @classmethod
-    def read(cls, where: str, given: Any, place: Attachment) -> SumOfCoordinates:
-        """From the name of a coordinate, or a pair of them."""
-        pair = given if isinstance(given, tuple | list) else (given,)
-        names = [place.kept(where, each) for each in pair]
+    def read(
+        cls, where: str, given: Any, place: Attachment, offset: Offset = _FIXED
+    ) -> SumOfCoordinates:
+        """From the name of a coordinate, a pair of them, or a factor for each of several."""
+        weighted = isinstance(given, Mapping)
+        listed = given if isinstance(given, Mapping | tuple | list) else (given,)
+        shares = given.values() if weighted else (1.0, -1.0)
+        names = [place.kept(where, each) for each in listed]
         if len(set(names)) < len(names):
-            raise ModelError(f"{where}: both coordinates are {names[0]!r}; give two")
-        return cls(dict(zip(names, (1.0, -1.0), strict=False)))
+            twice = next(name for i, name in enumerate(names) if name in names[:i])
+            raise ModelError(f"{where}: the coordinate {twice!r} stands twice; give it once")
+        pairs = zip(names, shares, strict=False)
+        factors = {name: float(share) for name, share in pairs if share}
+        return cls(factors, weighted, offset)
 
     @property
     def text(self) -> str:
         """The displacement."""
-        return " - ".join(state_name(name) for name in self.factors)
+        total = weighted_sum((factor, state_name(name)) for name, factor in self.factors.items())
+        return f"{total} - {self.offset.text}" if self.offset.text else total
 
     @property
     def rate(self) -> str:
         """Its velocity."""
-        return " - ".join(velocity_name(name) for name in self.factors)
+        pairs = self.factors.items()
+        total = weighted_sum((factor, velocity_name(name)) for name, factor in pairs)
+        return total if self.offset.rate == "0" else f"{total} - ({self.offset.rate})"
 
     @property
     def units(self) -> tuple[str, str]:
-        """Units of the displacement and of a force along it, which is a moment along an angle."""
-        turns = all(is_rotation(name) for name in self.factors)
+        """Units of the displacement and of a force along it, which is a moment along an angle.
+
+        Factors of angles are radii.
+        """
+        turns = not self.weighted and all(is_rotation(name) for name in self.factors)
         return ("rad", "N m") if turns else ("m", "N")
 
 
-def check_coordinates(kind: str, *, pair: bool = False, **values: Any) -> None:
-    """Refuse what is no coordinate: neither a name nor a number, nor a pair of these if allowed."""
+def check_coordinates(kind: str, *, several: bool = False, **values: Any) -> None:
+    """Refuse what is no coordinate: neither a name nor a number, nor several of these if allowed.
+
+    Several are two, of which the second is subtracted, or a mapping to factors.
+    """
     for name, value in values.items():
-        listed = value if pair and isinstance(value, tuple | list) else (value,)
+        weighted = several and isinstance(value, Mapping)
+        listed = value if weighted or (several and isinstance(value, tuple | list)) else (value,)
         fits = [isinstance(each, str | int | np.integer) for each in listed]
-        if len(fits) not in (1, 2) or not all(fits) or any(isinstance(x, bool) for x in listed):
-            more = ", or two of which the second is subtracted" if pair else ""
+        many = not fits or (len(fits) > 2 and not weighted)
+        if many or not all(fits) or any(isinstance(each, bool) for each in listed):
+            more = (
+                ", two of which the second is subtracted, or a mapping of coordinates to factors"
+                if several
+                else ""
+            )
             raise ModelError(
                 f"{kind}: {name} = {shown(value)}: give the name or number of a coordinate{more}"
             )
+        if weighted:
+            factors = [
+                finite_real(f"{kind}: {name}[{shown(each)}]", factor, ModelError)
+                for each, factor in value.items()
+            ]
+            if not any(factors):
+                raise ModelError(f"{kind}: {name} = {shown(value)}: give a factor that is not zero")
+
+
+def rate_of_text(text: str) -> str:
+    """Rate of change in time of a text in which everything but ``t`` is constant."""
+    graph = Graph(())
+    rate = rate_of_change(graph, graph.imported(parse(text)), graph.name)
+    return "0" if rate is graph.zero else to_text(rate)
 
 
 def check_name(kind: str, name: Any) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +11,9 @@ import numpy.typing as npt
 from nonsmooth.structures.bearing import Bearing
 from nonsmooth.structures.contributions import Attachment, Contribution
 from nonsmooth.structures.speed_texts import coefficient_pieces, piecewise_text, varies
-from nonsmooth.structures.state_names import state_name, velocity_name
+from nonsmooth.structures.state_names import state_name, velocity_name, weighted_sum
 
-__all__ = ["LinearPart", "bearing_part", "joined", "linear_part", "weighted_sum"]
+__all__ = ["LinearPart", "bearing_part", "joined", "linear_part"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -28,20 +28,6 @@ class LinearPart:
     """Accelerations of those that are coordinates of the structure, by the forces on them."""
     turns: bool
     """Whether the speed Omega of the shaft stands in the texts."""
-
-
-def weighted_sum(terms: Iterable[tuple[float, str]]) -> str:
-    """Text of a sum; terms with a factor zero are left out."""
-    text = ""
-    for factor, name in terms:
-        if factor == 0.0:
-            continue
-        size = name if abs(factor) == 1.0 else f"{abs(float(factor))!r}*{name}"
-        if text:
-            text += f" - {size}" if factor < 0.0 else f" + {size}"
-        else:
-            text = f"-{size}" if factor < 0.0 else size
-    return text
 
 
 def linear_part(place: Attachment) -> LinearPart:

@@ -19,13 +19,12 @@ from nonsmooth.structures.linear_texts import (
     bearing_part,
     joined,
     linear_part,
-    weighted_sum,
 )
 from nonsmooth.structures.loads import BaseMotion, Force, Unbalance, Weight
 from nonsmooth.structures.reduced_structure import ReducedStructure
 from nonsmooth.structures.reduction import reduce
 from nonsmooth.structures.rings import RubRing, SnubberRing
-from nonsmooth.structures.state_names import state_name
+from nonsmooth.structures.state_names import state_name, weighted_sum
 from nonsmooth.structures.structure import Structure
 from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.system import System
@@ -166,6 +165,7 @@ def machine(
             " it later by with_parameters"
         )
     words["parameters"] = _speed(turns, Omega) | own | words["parameters"]
+    _check_constants(parts, words["parameters"])
     _warn_of_speed(reduction, Omega)
     _warn_of_loads(reduction, named)
     words["describe"] |= {"time": "time [s]"}
@@ -301,7 +301,7 @@ def _coordinates(structure: Structure, parts: Mapping[str, Any]) -> tuple[str, .
     for name, part in parts.items():
         for key in ("coordinate", "x", "y"):
             given = getattr(part, key, ())
-            for each in given if isinstance(given, tuple | list) else (given,):
+            for each in given if isinstance(given, Mapping | tuple | list) else (given,):
                 found[place_of(each, structure.coordinates, f"{name}: {key}")] = None
     return tuple(structure.coordinates[place] for place in found)
 
@@ -322,6 +322,17 @@ def _speed(turns: bool, Omega: Text | None) -> dict[str, Text]:
     if turns:
         raise OptionError("Omega: give the speed of the shaft in rad/s; the machine depends on it")
     return {}
+
+
+def _check_constants(parts: Sequence[Contribution], parameters: Mapping[str, Text]) -> None:
+    """Refuse what moves in a text whose rate is taken by ``t`` alone."""
+    for part in parts:
+        for name, where in part.constants.items():
+            if name not in parameters:
+                raise OptionError(
+                    f"{where}: {name!r} is no parameter of the machine; where a damper or an impact"
+                    " needs its rate, an offset is a text of t and of parameters"
+                )
 
 
 def _words(

@@ -65,7 +65,7 @@ class NaturalModes:
                 f" {squares[0]:.3g} (rad/s)^2; what pushes, such as a seal, can be a Bearing, which"
                 " is no part of the basis"
             )
-        rigid = squares < nothing
+        rigid = squares <= nothing
         shift = float(squares[~rigid][0]) if rigid.any() and not rigid.all() else 0.0
         if rigid.all():
             shift = 1.0
