@@ -61,7 +61,7 @@ def built(part):
 
 @pytest.mark.parametrize(("kind", "argument"), PLACES)
 @pytest.mark.parametrize(
-    "value", [None, 1.0, np.nan, 1j, True, {"1x": 1.0}, np.array([1.0, 2.0]), ["1x", None], ()]
+    "value", [None, 1.0, np.nan, 1j, True, {1.5: 1.0}, np.array([1.0, 2.0]), ["1x", None], ()]
 )
 def test_what_is_no_coordinate_is_refused_where_the_part_is_made(kind, argument, value):
     with pytest.raises(ns.ModelError, match=f"^{kind.__name__}: {argument} = .*: give the name or"):
