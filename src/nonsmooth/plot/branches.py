@@ -30,7 +30,7 @@ from nonsmooth.plot.diagram_behind import (
 )
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, largest_state
 from nonsmooth.plot.trace import broken
 
 if TYPE_CHECKING:
@@ -190,7 +190,9 @@ def branch(
     for kinds, at_x, at_y in marks if special else ():
         mark_special_points(ax, kinds, at_x, np.minimum(at_y, _BELOW * top))
     x_label, y_label = labels[0]
-    finish_axes(ax, x_label, y_label if diagram is None else axis_label(diagram[y]))
+    sizes = [largest_state(one, x or check_branch(one), y) for one in named.values()]
+    largest = tuple(max(each) for each in zip(*sizes, strict=True))
+    finish_axes(ax, x_label, y_label if diagram is None else axis_label(diagram[y]), largest)
     if legend:
         place_legend(ax, may_grow=own)
     return ax
