@@ -118,7 +118,7 @@ def bifurcation(
         ax.update_datalim([(over.min(), 0.0), (over.max(), 0.0)], updatey=False)
         ax.autoscale_view(scaley=False)
     sizes = 0.0, *largest_state(diagram, variable)
-    finish_axes(ax, axis_label(diagram["parameter"]), _height_label(diagram, variable), sizes)
+    finish_axes(ax, axis_label(diagram["parameter"]), _height_label(diagram, variable), sizes=sizes)
     if legend:
         place_legend(ax)
     return ax

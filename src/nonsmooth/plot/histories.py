@@ -104,7 +104,7 @@ def time_history(
         for name in names:
             event_markers(run, name, ax, time_range=time_range)
     sizes = 0.0, max(largest_state(run, *names, time_range=time_range))
-    finish_axes(ax, axis_label(run["time"]), common_label(run, names), sizes)
+    finish_axes(ax, axis_label(run["time"]), common_label(run, names), sizes=sizes)
     if legend and len(ax.get_legend_handles_labels()[1]) > 1:
         place_legend(ax)
     return ax
@@ -214,7 +214,7 @@ def phases(
     draw_lines(run, names, ax, time_range, labels)
     _draw_modes(run, ax, ax.get_xlim(), labels)
     sizes = 0.0, max(largest_state(run, *names, time_range=time_range))
-    finish_axes(ax, axis_label(run["time"]), common_label(run, names), sizes)
+    finish_axes(ax, axis_label(run["time"]), common_label(run, names), sizes=sizes)
     if legend:
         place_legend(ax)
     return ax

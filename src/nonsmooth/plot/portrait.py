@@ -121,7 +121,7 @@ def phase_portrait(
     if surfaces:
         draw_surfaces(run, x, y, ax)
     sizes = largest_state(run, x, y, time_range=time_range)
-    finish_axes(ax, axis_label(run[x]), axis_label(run[y]), sizes)
+    finish_axes(ax, axis_label(run[x]), axis_label(run[y]), sizes=sizes)
     if (phases or flagged.any()) and legend:
         place_legend(ax)
     return ax

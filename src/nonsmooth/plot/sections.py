@@ -120,7 +120,7 @@ def section(
             rasterized=across.size > DENSE,
         )
     mark_flagged(ax, across, up, flagged)
-    finish_axes(ax, axis_label(points[x]), axis_label(points[y]), largest_state(points, x, y))
+    finish_axes(ax, axis_label(points[x]), axis_label(points[y]), sizes=largest_state(points, x, y))
     if (phases or flagged.any()) and legend:
         place_legend(ax)
     return ax

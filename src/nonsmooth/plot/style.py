@@ -233,7 +233,7 @@ def largest_state(
 
 
 def finish_axes(
-    ax: Axes, x_label: str, y_label: str, sizes: tuple[float, ...] = (0.0, 0.0)
+    ax: Axes, x_label: str, y_label: str, *, sizes: tuple[float, ...] = (0.0, 0.0)
 ) -> None:
     """Set the labels that the caller has not set before, and say where axes hold nothing.
 
