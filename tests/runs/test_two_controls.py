@@ -43,7 +43,9 @@ def test_a_mass_that_winds_itself_into_the_meeting_of_both_surfaces():
     assert switches == pytest.approx(
         [2, 2 + 2 / 3, 2 + 2 / 3 + 2 / np.sqrt(3), 2 + 2 / 3 + longer], rel=1e-14
     )
-    assert run["event_time"].values[-1] == pytest.approx((2 + 2 / 3) / (1 - 1 / np.sqrt(3)), rel=1e-14)
+    assert run["event_time"].values[-1] == pytest.approx(
+        (2 + 2 / 3) / (1 - 1 / np.sqrt(3)), rel=1e-14
+    )
 
 
 def test_sliding_along_one_surface_and_then_along_both():
