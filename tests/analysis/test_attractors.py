@@ -308,6 +308,26 @@ def test_no_attractor_is_told() -> None:
     assert found.attrs["message"].startswith("no attractors: all starts ended early")
 
 
+def test_starts_that_never_come_back_to_a_section_are_counted() -> None:
+    """r' = -r (r^2 - 1) (r^2 - 4) / 8 turns round a circle of radius 2, or comes to rest within 1.
+
+    Of the square of side 4 a disc of radius 1 is the part pi/16.
+    """
+    away = "(x**2 + y**2 - 1)*(x**2 + y**2 - 4)/8"
+    flow = {"x": f"-y - x*{away}", "y": f"x - y*{away}"}
+    section = ns.PoincareMap(ns.System(states=["x", "y"], equations=flow), "x - 1.5")
+    with pytest.warns(ns.ResultWarning, match="never came back to the section") as told:
+        found = ns.attractors(section, {"x": (-2, 2), "y": (-2, 2)}, samples=128)
+    count = found.attrs["unreturned_starts"]
+    # a Sobol sequence of 128 points errs by a few of those along the rim, 11 of which cross it
+    assert abs(count - 128 * np.pi / 16) < 5
+    assert found.attrs["ended_starts"] == count
+    assert f"{count} starts never came back" in str(told[0].message)
+    assert found.attrs["message"].startswith(f"{count} starts never came back")
+    assert found["points"].values[0, 0] == pytest.approx([1.5, -np.sqrt(4 - 1.5**2)])
+    assert found["fraction"].values == pytest.approx([1 - count / 128])
+
+
 def test_results_survive_a_file(tmp_path) -> None:
     import xarray as xr
 

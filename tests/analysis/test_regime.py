@@ -1,5 +1,7 @@
 """What motions settle to, beside closed forms."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,7 +11,7 @@ import nonsmooth as ns
 from analysis.test_bifurcation_diagram import ball
 from analysis.walls import damped, kicked, rigid_wall, stick_and_slip
 from nonsmooth import Exit, Mode, OptionError, System
-from nonsmooth.analysis.regimes.window import cyclic_word
+from nonsmooth.analysis.regimes.window import cyclic_word, rotation_number
 
 
 def label(found) -> str:
@@ -186,6 +188,120 @@ def test_a_torus_that_attracts_is_quasi_periodic():
 def test_a_rotation_number_is_quasi_periodic():
     """A wall that throws back at a speed of its own leaves one direction, a circle map."""
     assert label(ns.regime(kicked())) == "quasi-periodic"
+
+
+def circle_map(turn: float, bend: float) -> System:
+    """Once per period x becomes x + turn + bend sin(2 pi x) on the circle, from 1 back to 0."""
+    back = Exit("1 - x", reset={"x": "x - 1"}, name="back")
+    onward = {"x": "x + turn + bend*sin(2*pi*x)"}
+    return System(
+        states=["x"],
+        parameters={"turn": turn, "bend": bend},
+        period="2*pi",
+        initial={"x": 0.3},
+        modes={
+            "first": Mode({"x": "0"}, exits=[Exit("sin(t)", to="second"), back]),
+            "second": Mode({"x": "0"}, exits=[Exit("-sin(t)", to="first", reset=onward), back]),
+        },
+    )
+
+
+def iterated(turn: float, bend: float, count: int = 100_000) -> tuple[float, float]:
+    """Rotation number, to 1/count, and exponent per period of that circle map, by itself."""
+    x = np.empty(count + 1)
+    x[0] = 0.3
+    for k in range(count):
+        x[k + 1] = x[k] + turn + bend * np.sin(2 * np.pi * x[k])
+    slopes = np.abs(1 + 2 * np.pi * bend * np.cos(2 * np.pi * x[:-1]))
+    return (x[-1] - x[0]) / count, np.log(slopes).mean()
+
+
+def told_rotation(found) -> tuple[float, float]:
+    """Rotation number of the message, and its error."""
+    told = re.search(r"rotation number ([0-9.]+) \+- ([0-9.]+)", found.attrs["message"])
+    assert told is not None
+    return float(told[1]), float(told[2])
+
+
+@pytest.mark.parametrize(
+    ("turn", "bend"), [(0.5 * (5**0.5 - 1), 0.0), (0.45, 0.1), (0.2, 0.14), (0.7, 0.12)]
+)
+def test_a_circle_that_turns_is_quasi_periodic(turn, bend):
+    """Its one coordinate jumps where it begins anew; a rigid turn has the rotation number turn."""
+    found = ns.regime(circle_map(turn, bend), phase=0.25)
+    assert label(found) == "quasi-periodic"
+    told, error = told_rotation(found)
+    known = iterated(turn, bend)[0] if bend else turn
+    assert abs(told - known) <= error + 5e-5  # the last digit that is told
+
+
+@pytest.mark.parametrize(
+    ("turn", "bend", "period"), [(0.5, 0.1, 2), (0.01, 0.1, 1), (0.35, 0.14, 3)]
+)
+def test_a_circle_that_turns_by_a_fraction_is_periodic(turn, bend, period):
+    found = ns.regime(circle_map(turn, bend), phase=0.25)
+    assert (label(found), found["period"].item()) == ("periodic", period)
+
+
+def test_a_circle_that_is_folded_is_chaotic():
+    found = ns.regime(circle_map(0.51, 0.45), phase=0.25)
+    assert label(found) == "chaotic"
+    exponent = iterated(0.51, 0.45)[1] / (2 * np.pi)
+    assert abs(found["exponent"].item() - exponent) < 4 * found["exponent_error"].item()
+
+
+@pytest.mark.parametrize("turn", [0.6, 0.25])
+def test_a_rigid_turn_by_a_fraction_attracts_nothing(turn):
+    found = ns.regime(circle_map(turn, 0.0), phase=0.25)
+    assert label(found) == "unsettled"
+    assert "unit circle" in found.attrs["message"]
+
+
+@pytest.mark.parametrize("current", [1.2, 1.5, 3.0])
+def test_the_rotation_number_of_a_neuron_that_leaks(current):
+    """v' = I - v from 0 to 1 takes ln(I / (I - 1)): one over that is a turn per unit time."""
+    neuron = System(
+        states=["v"],
+        parameters={"I": current, "A": 0.0},
+        period=1.0,
+        modes={"m": Mode({"v": "I - v + A*cos(2*pi*t)"}, exits=[Exit("1 - v", reset={"v": "0"})])},
+    )
+    found = ns.regime(neuron)
+    assert label(found) == "quasi-periodic"
+    told, error = told_rotation(found)
+    turn = 1 / np.log(current / (current - 1)) % 1
+    assert abs(told - turn) <= error + 5e-5
+    # two states, and a forcing that it is not locked to
+    neuron = System(
+        states=["v", "w"],
+        parameters={"A": 0.05},
+        period=1.0,
+        modes={
+            "m": Mode(
+                {"v": "1.2 - v - 0.3*w + A*cos(2*pi*t)", "w": "-w/0.7"},
+                exits=[Exit("1 - v", reset={"v": "0", "w": "w + 0.2"}, name="spike")],
+            )
+        },
+    )
+    assert label(ns.regime(neuron)) == "quasi-periodic"
+
+
+@pytest.mark.parametrize(
+    "step",
+    [
+        lambda x: (2 * x + 1e-3) % 1,  # doubling
+        lambda x: 1 - 2 * x**2,  # folded
+        lambda x: -0.999 * x,  # turns over, and settles
+        lambda x: 0.999 * x,  # settles
+        lambda x: x + 1,  # grows
+        lambda x: (x + 0.4 + 1e-9) % 1,  # nearly repeats
+    ],
+)
+def test_what_does_not_turn_has_no_rotation_number(step):
+    values = [0.3 / np.sqrt(2)]
+    for _ in range(400):
+        values.append(step(values[-1]))
+    assert np.isnan(rotation_number(np.array(values)))
 
 
 def test_a_motion_that_forgets_is_locked():
@@ -381,6 +497,36 @@ def test_a_transient_that_is_not_over_is_unsettled(zeta):
     found = ns.regime(damped(zeta), {"x": 30.0}, transient=10, longest=80)
     assert label(found) == "unsettled"
     assert found["transient_used"].item() <= 80
+
+
+def test_a_slow_decay_tells_how_long_to_follow_it():
+    """exp(-zeta t) is left: in 14000 periods of one time unit a millionth."""
+    found = ns.regime(free(1e-3), period=1.0)
+    assert label(found) == "unsettled"
+    told = re.search(r"factor ([0-9.]+) per period; .* longest=([0-9]+) is", found.attrs["message"])
+    assert told is not None
+    # the extremes of sampled windows are off by some percent, a 500th of which is in the factor
+    assert float(told[1]) == pytest.approx(np.exp(-1e-3), abs=5e-5)
+    assert 14_000 < int(told[2]) < 3 * 14_000
+    assert label(ns.regime(free(1e-3), period=1.0, longest=int(told[2]))) == "equilibrium"
+
+
+@pytest.mark.parametrize("zeta", [2e-4, 8e-4])
+def test_a_slow_decay_to_a_driven_motion_is_no_torus(zeta):
+    """exp(-2 pi zeta) of the way to the cycle is left after a period."""
+    system = System(
+        states=["x", "v"],
+        parameters={"zeta": zeta},
+        period="2*pi",
+        initial={"x": 1.0},
+        equations={"x": "v", "v": "-2.1*x - 2*zeta*v + cos(t)"},
+    )
+    found = ns.regime(system)
+    assert label(found) == "unsettled"
+    told = re.search(r"factor ([0-9.]+) per period; .* longest=([0-9]+) is", found.attrs["message"])
+    assert told is not None
+    assert float(told[1]) == pytest.approx(np.exp(-2 * np.pi * zeta), abs=5e-5)
+    assert label(ns.regime(system, longest=int(told[2]))) == "periodic"
 
 
 def test_a_motion_without_damping_that_repeats_attracts_nothing():

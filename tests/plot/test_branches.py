@@ -352,6 +352,8 @@ def test_a_curve_of_special_points_has_no_stability():
         {"p": ("point", p), "q": ("point", p**2), "stable": ("point", p * 10 % 2 < 1)},
         attrs={"parameter": "p", "special_kind": "flip"},
     )
+    named = ns.plot.branch({"first flip": curve}, "q")
+    assert [text.get_text() for text in named.get_legend().get_texts()] == ["first flip"]
     ax = ns.plot.branch(curve, "q")
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["flip curve"]
     (line,) = [each for each in ax.lines if len(each.get_xdata())]

@@ -9,6 +9,7 @@ import nonsmooth as ns
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.section_runner import NEVER_CROSSES
+from nonsmooth.runs.section_search import PATIENCE
 from runs.balls import bouncing_ball, damped, rigid_wall
 
 STARTS = np.array([[-0.3, 0.4], [-0.1, 0.0], [-0.7, -0.2]])
@@ -43,6 +44,7 @@ def test_lanes_end_one_by_one():
     states, _ = runner.iterate(lanes, 1)
     assert np.isnan(states[0]).all() and states[1, 0, 0] == pytest.approx(0.5)
     assert lanes.status.tolist() == [NEVER_CROSSES, Status.COMPLETED]
+    assert runner.admits(np.array([[0.2, 0.0]])).tolist() == [True]
 
     runner = ns.PoincareMap(bouncing_ball(0.8), "impact", side="after").runner(1e-12)
     lanes = runner.start(np.array([[0.0, 1.0]]))
@@ -53,6 +55,19 @@ def test_lanes_end_one_by_one():
     assert lanes.status.tolist() == [Status.EVENT_LIMIT]
     finite = np.isfinite(states[0, :, 1])
     assert 20 < finite.sum() < 1000 and np.array_equal(modes[0] >= 0, finite)
+
+
+def test_a_motion_at_rest_is_not_waited_for():
+    """exp(-t/20) of a swing falls to 2^-40 at t = 555; a swing that lasts is waited for."""
+    for damping, lasts in ((0.1, False), (0.0, True)):
+        flow = {"x": "v", "v": f"-x - {damping}*v"}
+        runner = ns.PoincareMap(ns.System(states=["x", "v"], equations=flow), "x - 2").runner(1e-12)
+        lanes = runner.start(np.array([[1.0, 0.0]]))
+        runner.iterate(lanes, 1)
+        assert lanes.status.tolist() == [NEVER_CROSSES]
+        passed = lanes.ways[0].windows
+        assert passed >= PATIENCE if lasts else passed < PATIENCE / 10
+        assert passed * runner.engine.window > 555
 
 
 def test_some_lanes_go_on_without_the_others():

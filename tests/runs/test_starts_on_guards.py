@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth import Exit, Mode, RunWarning, System
+from nonsmooth import Exit, Mode, OptionError, RunWarning, System
 from runs.flows import on_both_flows
 
 # ---------------------------------------------------------------- hand-declared modes
@@ -125,6 +125,75 @@ def test_two_oscillators_in_step_stay_together(flow):
     system = System(states=["x", "v", "y", "w"], modes={"m": mode})
     run = ns.simulate(flow(system), {"x": 1.0, "y": 1.0}, t_end=100.0)
     assert (run.attrs["status"], run.attrs["n_uncertain"]) == ("completed", 0)
+
+
+# ---------------------------------------------------------------- starts off by rounding
+
+ROUNDED = 0.3 - (0.1 + 0.2)  # a zero that was computed, -5.55e-17
+
+
+def floor_at(place, reset, **words):
+    """A ball above a floor, thrown up at speed 1: x = place + t - t^2 / 2."""
+    mode = Mode({"x": "v", "v": "-1"}, exits=[Exit("x - place", reset=reset, name="hit", **words)])
+    return System(states=["x", "v"], parameters={"place": place}, modes={"m": mode})
+
+
+@on_both_flows
+@pytest.mark.parametrize("off", [-1e-17, ROUNDED])
+@pytest.mark.parametrize(("v", "up"), [(1.0, 1.0), (-1.0, 0.5)])
+def test_a_start_behind_a_wall_by_rounding_is_one_on_the_wall(flow, off, v, up):
+    """Thrown up it flies at once, thrown down it bounces at once with half of its speed."""
+    run = ns.simulate(flow(floor_at(0.0, {"v": "-0.5*v"})), {"x": off, "v": v}, times=[0.0, 0.25])
+    assert run["x"].values.tolist() == pytest.approx([0.0, up / 4 - 1 / 32], rel=4 * 2.0**-52)
+    assert float(run["x"][0]) == 0.0
+    assert run.attrs["n_events"] == 0
+
+
+def test_a_start_behind_a_wall_by_rounding_rests_there():
+    """Weight presses what has no speed, and only by it is the size of the motion known."""
+    system = floor_at(0.0, {"v": "-0.5*v"}, sticks="rest")
+    run = ns.simulate(system, {"x": ROUNDED}, times=[0.0, 2.0])
+    assert ns.phase_word(run, 0.0, 2.0) == ("rest",)
+    assert run["x"].values.tolist() == [0.0, 0.0]
+
+
+@on_both_flows
+def test_many_starts_behind_a_wall_by_rounding(flow):
+    system = flow(floor_at(0.0, {"v": "-0.5*v"}))
+    runs = ns.ensemble(system, {"x": [0.0, ROUNDED], "v": [1.0, 1.0]}, times=[0.25])
+    assert runs["status"].values.tolist() == ["completed"] * 2
+    assert np.ptp(runs["x"].values) == 0.0
+
+
+@pytest.mark.parametrize("place", [0.0, 0.3])
+def test_the_derivatives_of_a_start_behind_a_wall_by_rounding(place):
+    """Derivatives of an event: from d above the wall the ball hits at d with the speed 1 + d.
+
+    It flies up as x = (1 + d)(t - d) / 2 - (t - d)^2 / 2, so dx/dd = 3 t / 2 - 1 / 2; and
+    dx/dv0 = -t / 2.
+    """
+    system = floor_at(place, {"v": "-0.5*v"})
+    run = ns.simulate(system, {"x": place + ROUNDED, "v": -1.0}, times=[0.25], tangent=True)
+    found = run["tangent"].sel(state="x").values.ravel()
+    assert found == pytest.approx([-0.125, -0.125], abs=8 * 2.0**-52)
+
+
+@on_both_flows
+@pytest.mark.parametrize("off", [-1e-9, -1e-11])
+def test_a_start_behind_a_wall_by_more_is_refused(flow, off):
+    with pytest.raises(OptionError, match="guard 'x - place' is -1e-"):
+        ns.simulate(flow(floor_at(0.0, {"v": "-0.5*v"})), {"x": off, "v": 1.0}, times=[0.25])
+
+
+@on_both_flows
+def test_rounding_is_that_of_the_motion(flow):
+    """A motion of a millionth: 1e-22 is rounding of it, 1e-17 is not."""
+    mode = Mode({"x": "v", "v": "-1e-6"}, exits=[Exit("x", reset={"v": "-v"}, name="hit")])
+    system = flow(System(states=["x", "v"], period=1.0, modes={"m": mode}))
+    run = ns.simulate(system, {"x": -1e-22, "v": 1e-6}, times=[0.0])
+    assert float(run["x"][0]) == 0.0
+    with pytest.raises(OptionError, match="guard 'x'"):
+        ns.simulate(system, {"x": -1e-17, "v": 1e-6}, times=[0.0])
 
 
 # ---------------------------------------------------------------- cells

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from nonsmooth.analysis.basins.attractor import renumbered
 from nonsmooth.analysis.basins.attractor_dataset import (
     attractor_variables,
+    said_of_unreturned,
     search_message,
     with_images,
     with_words,
@@ -22,6 +24,7 @@ from nonsmooth.analysis.basins.attractor_search import (
 )
 from nonsmooth.analysis.basins.region import read_box
 from nonsmooth.analysis.options import SharedOptions, result_attributes
+from nonsmooth.errors import ResultWarning
 from nonsmooth.runs.of_system import map_of
 
 if TYPE_CHECKING:
@@ -97,7 +100,14 @@ def attractors(
         where the system has a symmetry, ``image``: the number of the attractor that is its mirror
         image, its own number where it is symmetric, 0 where the image is none of those found or
         the map is no strobe of the forcing.
-        The attributes tell how many starts were unsettled, ended early or were inadmissible.
+        The attributes tell how many starts were unsettled, ended early or were inadmissible, and
+        how many of those that ended never came back to the section of a `PoincareMap`.
+
+    Warns
+    -----
+    ResultWarning
+        Where starts never come back to the section: their motions come to rest elsewhere, or do
+        not meet it for 10 000 windows.
 
     Raises
     ------
@@ -159,6 +169,7 @@ def attractors(
         "drawn_starts": found.drawn,
         "unsettled_starts": int(np.sum(label == UNSETTLED)),
         "ended_starts": int(np.sum(label == ENDED)),
+        "unreturned_starts": found.search.unreturned,
     }
     options = {
         **{f"region_{name}": str((low, high)) for name, low, high in zip(
@@ -173,6 +184,10 @@ def attractors(
     message = "interrupted by the user; the attractors found until then are kept"
     if found.complete:
         message = search_message(
-            "starts", counts["unsettled_starts"], counts["ended_starts"], order
-        )
+            "starts", counts["unsettled_starts"], counts["ended_starts"], order,
+            counts["unreturned_starts"],
+        )  # fmt: skip
+    if counts["unreturned_starts"]:
+        told = said_of_unreturned("starts", counts["unreturned_starts"])
+        warnings.warn(f"{chosen.system.name}: {told}", ResultWarning, stacklevel=2)
     return xr.Dataset(variables, coords, result_attributes(chosen.system, status, message, options))

@@ -53,7 +53,12 @@ def attractors(task: Task) -> None:
         f"{samples}" if drawn == samples else f"{samples} of {drawn} drawn, the others inadmissible"
     )
     report.add("starts", text, starts=samples, drawn_starts=drawn)
-    for key, label in (("unsettled_starts", "unsettled"), ("ended_starts", "ended early")):
+    told = {
+        "unsettled_starts": "unsettled",
+        "ended_starts": "ended early",
+        "unreturned_starts": "of these never back at the section",
+    }
+    for key, label in told.items():
         if attrs[key]:
             report.add(label, f"{attrs[key]} starts", **{key: attrs[key]})
     _add_attractors(report, result)

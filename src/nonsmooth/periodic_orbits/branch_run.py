@@ -38,6 +38,7 @@ from nonsmooth.periodic_orbits.stretch import (
     spread_along,
 )
 from nonsmooth.periodic_orbits.trail import Trail
+from nonsmooth.periodic_orbits.unbounded import LastOrbits
 
 __all__ = ["follow_orbits"]
 
@@ -335,23 +336,31 @@ def follow_orbits(
     ``report`` is told how many steps are done; it may raise to stop.
     """
     way, section, stands = 0.0, None, None
+    last = LastOrbits(options)
     for each in _follow(options, legs, start, report):
-        if isinstance(each, BranchPart):
-            if not (options.inadmissible or each.looked.admissibility.admissible) and stands:
-                each = _within_rounding(each, stands)
-            stands = each
-            if each.special == "section":
-                section = each
-                continue
-            if each.special == "fold":
-                way, section = -way, None
-            elif is_of_word(each.test):  # the parameter may turn back there
-                way, section = 0.0, None
-            elif not each.special and (section is None or each.arclength > section.arclength):
-                if section is not None and way * each.way < 0.0:
-                    yield replace(section, special="fold")  # just where an event passes the section
-                way, section = each.way, None
+        if isinstance(each, Followed):
+            yield last.end(each)
+            return
+        if not (options.inadmissible or each.looked.admissibility.admissible) and stands:
+            each = _within_rounding(each, stands)
+        stands = each
+        if each.special == "section":
+            section = each
+            continue
+        if each.special == "fold":
+            way, section = -way, None
+        elif is_of_word(each.test):  # the parameter may turn back there
+            way, section = 0.0, None
+        elif not each.special and (section is None or each.arclength > section.arclength):
+            if section is not None and way * each.way < 0.0:
+                yield replace(section, special="fold")  # just where an event passes the section
+            way, section = each.way, None
         yield each
+        if not each.special:
+            last.add(each)
+            if last.are_far:
+                yield last.end()
+                return
 
 
 def _within_rounding(change: BranchPart, motion: BranchPart) -> BranchPart:

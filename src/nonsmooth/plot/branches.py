@@ -30,7 +30,7 @@ from nonsmooth.plot.diagram_behind import (
 )
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
+from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, largest_state
 from nonsmooth.plot.trace import broken
 
 if TYPE_CHECKING:
@@ -190,7 +190,9 @@ def branch(
     for kinds, at_x, at_y in marks if special else ():
         mark_special_points(ax, kinds, at_x, np.minimum(at_y, _BELOW * top))
     x_label, y_label = labels[0]
-    finish_axes(ax, x_label, y_label if diagram is None else axis_label(diagram[y]))
+    sizes = [largest_state(one, x or check_branch(one), y) for one in named.values()]
+    largest = tuple(max(each) for each in zip(*sizes, strict=True))
+    finish_axes(ax, x_label, y_label if diagram is None else axis_label(diagram[y]), sizes=largest)
     if legend:
         place_legend(ax, may_grow=own)
     return ax
@@ -252,8 +254,8 @@ def _explain(ax: Axes, colours: Mapping[str, str]) -> None:
     # black may be the colour of a branch
     neutral = "0.5" if len(colours) > 1 else "black"
     named = [(name, style) for name, style in KIND_STYLES.values() if f"_{name}" in drawn]
-    # curves of special points differ by colour, and not by the kind of their lines
-    told = len(colours) > 1
+    # curves of special points differ by colour, and not by the kind of their lines: a name tells
+    told = any(colours)
     curves = sorted(label[1:] for label in drawn if label.endswith(" curve") and not told)
     named += [(name, KIND_STYLES[SPECIAL][1]) for name in curves]
     for name, style in named:

@@ -14,7 +14,7 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.period_colours import NOT_SETTLED, OTHER_REGIMES, by_period
-from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
+from nonsmooth.plot.style import PALETTE, axis_label, finish_axes, largest_state
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -117,7 +117,8 @@ def bifurcation(
     if over.size:
         ax.update_datalim([(over.min(), 0.0), (over.max(), 0.0)], updatey=False)
         ax.autoscale_view(scaley=False)
-    finish_axes(ax, axis_label(diagram["parameter"]), _height_label(diagram, variable))
+    sizes = 0.0, *largest_state(diagram, variable)
+    finish_axes(ax, axis_label(diagram["parameter"]), _height_label(diagram, variable), sizes=sizes)
     if legend:
         place_legend(ax)
     return ax

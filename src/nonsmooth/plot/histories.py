@@ -13,7 +13,14 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import event_markers
-from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, modes_visited
+from nonsmooth.plot.style import (
+    LINES,
+    axis_label,
+    finish_axes,
+    largest_state,
+    mode_colours,
+    modes_visited,
+)
 from nonsmooth.plot.trace import DENSE, check_log, check_range, check_variables, curve, thinned
 
 if TYPE_CHECKING:
@@ -96,7 +103,8 @@ def time_history(
     if events:
         for name in names:
             event_markers(run, name, ax, time_range=time_range)
-    finish_axes(ax, axis_label(run["time"]), common_label(run, names))
+    sizes = 0.0, max(largest_state(run, *names, time_range=time_range))
+    finish_axes(ax, axis_label(run["time"]), common_label(run, names), sizes=sizes)
     if legend and len(ax.get_legend_handles_labels()[1]) > 1:
         place_legend(ax)
     return ax
@@ -205,7 +213,8 @@ def phases(
     labels = labels or {}
     draw_lines(run, names, ax, time_range, labels)
     _draw_modes(run, ax, ax.get_xlim(), labels)
-    finish_axes(ax, axis_label(run["time"]), common_label(run, names))
+    sizes = 0.0, max(largest_state(run, *names, time_range=time_range))
+    finish_axes(ax, axis_label(run["time"]), common_label(run, names), sizes=sizes)
     if legend:
         place_legend(ax)
     return ax

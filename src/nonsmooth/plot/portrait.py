@@ -14,7 +14,14 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, modes_visited
+from nonsmooth.plot.style import (
+    LINES,
+    axis_label,
+    finish_axes,
+    largest_state,
+    mode_colours,
+    modes_visited,
+)
 from nonsmooth.plot.trace import DENSE, Trace, broken, check_range, check_variables, curve
 from nonsmooth.system.algebra.linear import CONSTANT, LinearForm, State
 from nonsmooth.system.system import System
@@ -113,7 +120,8 @@ def phase_portrait(
     mark_flagged(ax, run[x].values, run[y].values, flagged)
     if surfaces:
         draw_surfaces(run, x, y, ax)
-    finish_axes(ax, axis_label(run[x]), axis_label(run[y]))
+    sizes = largest_state(run, x, y, time_range=time_range)
+    finish_axes(ax, axis_label(run[x]), axis_label(run[y]), sizes=sizes)
     if (phases or flagged.any()) and legend:
         place_legend(ax)
     return ax

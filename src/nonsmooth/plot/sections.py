@@ -13,7 +13,14 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.histories import mode_label
 from nonsmooth.plot.legends import place_legend
-from nonsmooth.plot.style import LINES, axis_label, finish_axes, mode_colours, modes_visited
+from nonsmooth.plot.style import (
+    LINES,
+    axis_label,
+    finish_axes,
+    largest_state,
+    mode_colours,
+    modes_visited,
+)
 from nonsmooth.plot.trace import DENSE
 from nonsmooth.runs.options import positive_number
 
@@ -113,7 +120,7 @@ def section(
             rasterized=across.size > DENSE,
         )
     mark_flagged(ax, across, up, flagged)
-    finish_axes(ax, axis_label(points[x]), axis_label(points[y]))
+    finish_axes(ax, axis_label(points[x]), axis_label(points[y]), sizes=largest_state(points, x, y))
     if (phases or flagged.any()) and legend:
         place_legend(ax)
     return ax

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -60,6 +61,7 @@ _SHADES = ((0, 0), (0, 9), (255, 10), (0, 14))  # black or white, and twentieths
 _PIECE = 0.78  # of the side of the axes: labels of several lines take room from it
 _OVER = 1.03  # of the height of the axes, for a line beside them
 _FLAT, _HEIGHT = 1e-10, 0.05  # of the size of values: a span that is rounding, and what it gets
+_ROUNDING = 4.0 * float(np.finfo(float).eps)  # of the largest state: what another one has at zero
 _MOST_DECADES, _ONE_BY_ONE = 4.0, 0.7  # of a logarithmic axis with plain numbers, with each digit
 _NOTHING = "no finite values to draw"
 _SYMBOL = re.compile(r"\b([A-Za-z]+)_([A-Za-z0-9]+)\b")  # a unit such as A_b or omega_M
@@ -213,9 +215,31 @@ def mixed(colour: str, target: int, twentieths: int) -> str:
     )
 
 
-def finish_axes(ax: Axes, x_label: str, y_label: str) -> None:
-    """Set the labels that the caller has not set before, and say where axes hold nothing."""
-    _widen_constant(ax)
+def largest_state(
+    data: xr.Dataset, *names: str, time_range: tuple[float, float] | None = None
+) -> tuple[float, ...]:
+    """Size of the largest state in a result, for each name of a state; zero for other names.
+
+    Beside it the rounding of a state that is zero is nothing. What is small at the end of a decay
+    counts beside other states at that time.
+    """
+    if time_range is not None:
+        low, high = time_range
+        data = data.isel(time=((data["time"] >= low) & (data["time"] <= high)).values)
+    states = tomllib.loads(str(data.attrs.get("system", ""))).get("states", [])
+    drawn = [np.abs(data[name].values) for name in states if name in data.data_vars]
+    finite = [float(values[np.isfinite(values)].max(initial=0.0)) for values in drawn]
+    return tuple(max(finite, default=0.0) if name in states else 0.0 for name in names)
+
+
+def finish_axes(
+    ax: Axes, x_label: str, y_label: str, *, sizes: tuple[float, ...] = (0.0, 0.0)
+) -> None:
+    """Set the labels that the caller has not set before, and say where axes hold nothing.
+
+    ``sizes`` of what is drawn, as `largest_state` has them: rounding beside them is drawn as zero.
+    """
+    _widen_constant(ax, sizes)
     across, up = _sides(ax)
     if not ax.get_xlabel():
         ax.set_xlabel(wrapped(x_label, across, float(ax.xaxis.label.get_fontsize())))
@@ -240,18 +264,22 @@ def plain_numbers(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def _widen_constant(ax: Axes) -> None:
+def _widen_constant(ax: Axes, sizes: tuple[float, ...]) -> None:
     """Give what is constant but for rounding a span, so that rounding is not what is read.
 
-    It is the span that matplotlib gives what is constant to the last digit.
+    It is the span that matplotlib gives what is constant to the last digit. What is zero but for
+    rounding gets that of the states beside which it is zero.
     """
-    for (low, high), axis, is_free, set_limits in (
-        (ax.dataLim.intervalx, ax.xaxis, ax.get_autoscalex_on(), ax.set_xlim),
-        (ax.dataLim.intervaly, ax.yaxis, ax.get_autoscaley_on(), ax.set_ylim),
+    for (low, high), natural, axis, is_free, set_limits in (
+        (ax.dataLim.intervalx, sizes[0], ax.xaxis, ax.get_autoscalex_on(), ax.set_xlim),
+        (ax.dataLim.intervaly, sizes[1], ax.yaxis, ax.get_autoscaley_on(), ax.set_ylim),
     ):
         size = max(abs(low), abs(high))
-        if is_free and axis.get_scale() == "linear" and low < high < low + _FLAT * size:
-            set_limits(low - _HEIGHT * size, high + _HEIGHT * size, auto=True)
+        is_zero = 0.0 < size <= _ROUNDING * natural
+        is_flat = is_zero or low < high < low + _FLAT * size
+        if is_free and axis.get_scale() == "linear" and is_flat:
+            span = _HEIGHT * (natural if is_zero else size)
+            set_limits(low - span, high + span, auto=True)
 
 
 def _sides(ax: Axes) -> tuple[float, float]:

@@ -32,6 +32,7 @@ from nonsmooth.runs.section_search import (
     some_points,
 )
 from nonsmooth.runs.start import Start
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.words import word_of_modes
 
 __all__ = ["NEVER_CROSSES", "SectionLanes", "SectionRunner"]
@@ -40,7 +41,9 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _NEAR = 1e-4  # part of a window within which a point may be off its section
-NEVER_CROSSES = Status.TIME_LIMIT  # of a lane that found no point for long
+_STILL = 2.0**-40  # change of a state, beside its size, that is rounding of a motion at rest
+_AT_REST = 128  # windows of a part in which nothing changes, behind which nothing ever will
+NEVER_CROSSES = Status.TIME_LIMIT  # of a lane that found no point for long, or rests elsewhere
 
 
 @dataclass
@@ -94,6 +97,7 @@ class SectionRunner:
     def _prepare(self) -> None:
         chosen = self.chosen
         split = chosen.split
+        self.reads_time = is_driven(self.engine.tables)
         if split is None:
             self.origin = np.arange(len(chosen.system.mode_names))
             self.pick: Pick = NamedEvents(chosen.system, chosen.section)
@@ -160,6 +164,16 @@ class SectionRunner:
         """
         states, modes = self.iterate(lanes, count, stop)
         return states[:, -1], modes[:, -1]
+
+    def admits(self, states: Floats) -> npt.NDArray[np.bool_]:
+        """Which states are starts that a mode takes, whether or not they lead to the section.
+
+        shapes: states (L, n)
+        """
+        found = self.start(states)
+        for i, way in enumerate(found.ways):
+            self._search_on(found.lanes, i, way, 1)
+        return np.asarray(found.lanes.status != Status.INADMISSIBLE)
 
     def images(
         self, state: Floats, mode: int, count: int
@@ -240,6 +254,15 @@ class SectionRunner:
         ]
         return np.array([one.state for one in moved]), modes, moved[0].instant
 
+    def _stays(self, states: Floats, size: Floats) -> bool:
+        """Whether states that were looked at along a part are one place, up to rounding.
+
+        The parts between looks have ratios that no cycle fits. What time drives may move later.
+
+        shapes: states (K, n), size (n,)
+        """
+        return not self.reads_time and bool(np.all(np.ptp(states, axis=0) <= _STILL * size))
+
     def _candidates(self, mode: int) -> list[int]:
         """Modes of the engine's system to try at a start, in order."""
         if mode == ANY:
@@ -271,6 +294,8 @@ class SectionRunner:
         way.here = Instant(int(numbers[-1]), float(phases[-1]))
         found = points.number.size
         way.waited = 0 if found else way.waited + way.length
+        if not found and way.length >= _AT_REST and self._stays(seen, way.size):
+            way.waited = PATIENCE
         way.n_points += found
         way.n_events += len(rows)
         way.windows += way.length

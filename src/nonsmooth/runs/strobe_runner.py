@@ -104,6 +104,12 @@ class StrobeRunner:
         lanes.done += count
         return states[:, 0], modes[:, 0]
 
+    def admits(self, states: Floats) -> npt.NDArray[np.bool_]:
+        """Which states are starts that a mode takes; states (L, n)."""
+        lanes = self.start(states)
+        self.last(lanes, 1)
+        return np.asarray(lanes.status != Status.INADMISSIBLE)
+
     def images(
         self, state: Floats, mode: int, count: int
     ) -> tuple[Floats, Integers, Floats] | None:

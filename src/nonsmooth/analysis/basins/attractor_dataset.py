@@ -19,6 +19,7 @@ from nonsmooth.system.system import System
 
 __all__ = [
     "attractor_variables",
+    "said_of_unreturned",
     "search_message",
     "with_images",
     "with_words",
@@ -189,8 +190,13 @@ def share_error(share: Any, count: int) -> Any:
     return np.sqrt(share * (1.0 - share) / max(1, count))
 
 
-def search_message(what: str, unsettled: int, ended: int, attractors: Sequence[Attractor]) -> str:
-    """What a finished search has to say of its starts or cells, and of what it has found."""
+def search_message(
+    what: str, unsettled: int, ended: int, attractors: Sequence[Attractor], unreturned: int = 0
+) -> str:
+    """What a finished search has to say of its starts or cells, and of what it has found.
+
+    Those that do not return to their section are some of those that ended.
+    """
     said, found = [], len(attractors)
     slow = sum(each.kind == "aperiodic" and each.exponent < 0.0 for each in attractors)
     if slow:
@@ -203,7 +209,10 @@ def search_message(what: str, unsettled: int, ended: int, attractors: Sequence[A
             f"{unsettled} {what} came to no attractor: they stay on a motion that is not stable, or"
             " come near one too slowly; for the second, raise longest= and record="
         )
-    if ended and not found:
+    if unreturned:
+        said.append(said_of_unreturned(what, unreturned))
+        ended -= unreturned
+    if ended and not (found or unreturned):
         said.append(f"no attractors: all {what} ended early; simulate one of them to see why")
     elif ended:
         said.append(f"{ended} {what} ended early, as their motions diverge or come to rest")
@@ -213,6 +222,14 @@ def search_message(what: str, unsettled: int, ended: int, attractors: Sequence[A
         return told
     how_many = "1 attractor is" if len(horizons) == 1 else f"{len(horizons)} attractors are"
     return f"{told}; {how_many} {said_of_chaos(min(horizons), 'iterate')}"
+
+
+def said_of_unreturned(what: str, count: int) -> str:
+    """What is said of starts whose motions stay away from the section."""
+    return (
+        f"{count} {what} never came back to the section: their motions come to rest or go on"
+        " elsewhere; simulate one of them, or choose a section that they meet"
+    )
 
 
 def _each(values: Any, kind: Any, label: str) -> Any:

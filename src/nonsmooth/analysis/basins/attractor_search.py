@@ -32,6 +32,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.section_runner import NEVER_CROSSES
 from nonsmooth.system.system import System
 
 __all__ = [
@@ -249,6 +250,7 @@ class AttractorSearch:
         self.match, self.longest, self.record = match, longest, record
         self.exponent_steps = exponent_steps
         self._tell = tell  # how many lanes have come to their end
+        self.unreturned = 0  # of the lanes that have ended, those that stay away from their section
 
     def settle(
         self, states: Floats, modes: Integers | int = ANY, stop: threading.Event | None = None
@@ -295,6 +297,7 @@ class AttractorSearch:
                         confirm_visits(self.runner, rest, images[i + 1 :, -1], cycles, later)
             done += block
             ended = ~going_on & (visits.label == 0)
+            self.unreturned += int(np.sum(ended & (lanes.status == NEVER_CROSSES)))
             refused = lanes.status == Status.INADMISSIBLE
             visits.label[ended] = np.where(
                 refused & np.isnan(images[:, 0, 0]), INADMISSIBLE, ENDED
@@ -418,19 +421,39 @@ def find_attractors(
     runner = chosen.runner(how.tolerance)
     starts, drawn = admissible_starts(runner, box, how.samples, how.seed)
     drifting = drift_mask(chosen.system)
-    lanes = runner.start(starts)
-    images, _ = runner.iterate(lanes, FIRST_LOOK)
+    images, statuses = _first_look(runner, starts, silent=silent)
+    returns = statuses != NEVER_CROSSES
     known = Known(measure_of(images, starts, drifting, how.cells))
     complete, settled = True, SettledStarts(np.zeros(0, np.int64), np.zeros(0, np.int64))
-    with Progress("attractors", len(starts)) as progress:
+    label, needed = np.full(len(starts), ENDED), np.isfinite(images[:, :, 0]).sum(axis=1)
+    with Progress("attractors", int(np.sum(returns))) as progress:
         search = search_among(
             chosen, known, how, (lambda _: None) if silent else progress.update, runner
         )
         try:
-            settled = search.settle(starts)
+            found = search.settle(starts[returns])
+            label[returns], needed[returns] = found.label, found.needed
+            settled = SettledStarts(label, needed)
         except KeyboardInterrupt:
             complete = False
+    search.unreturned += int(np.sum(~returns))
     return FoundAttractors(known, search, settled, drawn, complete)
+
+
+def _first_look(runner: Any, starts: Floats, *, silent: bool) -> tuple[Floats, Integers]:
+    """First images of each start, nan behind the end of its motion, and how that has ended.
+
+    returns: images (L, K, n), statuses (L,)
+    """
+    images, statuses = [], []
+    with Progress("first look at starts", len(starts)) as progress:
+        for first in range(0, len(starts), _AHEAD):
+            lanes = runner.start(starts[first : first + _AHEAD])
+            images.append(runner.iterate(lanes, FIRST_LOOK)[0])
+            statuses.append(lanes.status)
+            if not silent:
+                progress.update(first + _AHEAD)
+    return np.concatenate(images), np.concatenate(statuses)
 
 
 def search_among(

@@ -11,7 +11,6 @@ import numpy.typing as npt
 from scipy.stats import qmc
 
 from nonsmooth.analysis.options import completion_rule
-from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.options import finite_number
@@ -257,9 +256,7 @@ def admissible_starts(
         # powers of two keep the balance of the sequence
         batch = box.states(sequence.random(2 ** max(6, int(np.ceil(np.log2(count))))))
         batch = _completed(runner, box, batch)
-        lanes = runner.start(batch)
-        runner.last(lanes, 1)
-        admitted = lanes.status != Status.INADMISSIBLE
+        admitted = runner.admits(batch)
         found.append(batch[admitted][: count - n_found])
         n_found += len(found[-1])
         last = np.flatnonzero(admitted)[len(found[-1]) - 1] if n_found >= count else len(batch) - 1

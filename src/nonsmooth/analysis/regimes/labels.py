@@ -110,7 +110,12 @@ def label_of_end(status: Status) -> str:
 
 
 def label_of_growth(
-    rates: tuple[float, float], errors: tuple[float, float], duration: float, attracting: str
+    rates: tuple[float, float],
+    errors: tuple[float, float],
+    duration: float,
+    attracting: str,
+    *,
+    turns: bool,
 ) -> str:
     """Label that the exponents of two windows give, "" where they give none or differ.
 
@@ -120,6 +125,8 @@ def label_of_growth(
 
     attracting: label of a motion that others approach although its strobes do not repeat, as a
     direction without growth is left out; "" where there is none
+    turns: whether strobes turn round a circle and come near no cycle, as only neutral motion does;
+    its growth may come and go so evenly that no error is seen
     """
     least = LARGEST_GROWTH / duration
     if rates == (-np.inf, -np.inf):
@@ -137,7 +144,8 @@ def label_of_growth(
     if max(map(abs, rates)) > least or max(errors) > UNSURE * least:
         return ""
     falls = abs(rates[1]) < FALLING * abs(rates[0])
-    return QUASI_PERIODIC if falls or is_near_zero(rates, errors, duration) else ""
+    near_zero = is_near_zero(rates, errors, duration)
+    return QUASI_PERIODIC if turns or falls or near_zero else ""
 
 
 def is_near_zero(rates: tuple[float, float], errors: tuple[float, float], duration: float) -> bool:
@@ -148,14 +156,15 @@ def is_near_zero(rates: tuple[float, float], errors: tuple[float, float], durati
     )
 
 
-def contradiction(label: str, k: float, nearest: float) -> str:
+def contradiction(label: str, k: float, nearest: float, *, turns: bool) -> str:
     """How the strobes contradict what an exponent says, "" where they do not.
 
-    k: K of the 0-1 test; nearest: how near strobes come to repeating, in their scatter
+    k: K of the 0-1 test; nearest: how near strobes come to repeating, in their scatter; turns:
+    whether they keep their order on a circle, of which K says nothing
     """
     if label == CHAOTIC and k < K_CHAOTIC:
         return f"K = {k:.2f}"
-    if label == QUASI_PERIODIC and k > K_REGULAR:
+    if label == QUASI_PERIODIC and k > K_REGULAR and not turns:
         return f"K = {k:.2f}"
     if label == QUASI_PERIODIC and nearest < NEARLY:
         return "strobes nearly repeat, as they do while a motion settles slowly"

@@ -22,6 +22,7 @@ from scipy.spatial import KDTree
 
 from nonsmooth.analysis.exponents.interval_tangents import Strobe
 from nonsmooth.analysis.passed_events import PassedEvents
+from nonsmooth.analysis.regimes.labels import NEARLY
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.periodicity import nearest_returns, scales, settled_periods
 from nonsmooth.analysis.statistics.rest import halves
@@ -31,12 +32,14 @@ from nonsmooth.runs.sweep_runner import Recorded, Times
 
 __all__ = [
     "APART",
+    "SHRINKING",
     "StrobeTest",
     "Windows",
     "cyclic_word",
     "elsewhere",
     "no_closed_orbit",
     "rest_floor",
+    "rotation_number",
     "runs_away",
     "shrinks",
     "strobe_test",
@@ -55,10 +58,12 @@ _BETWEEN = np.array([0.25, 0.5, 0.75])
 _OTHERS = np.arange(-1 - _BETWEEN.size, -1)  # places of those looks
 APART = 0.05  # of its spread by which a state may differ between two windows of one closed curve
 _MOST = 0.9  # of the later states lie that close to earlier ones; a cycle has fast parts too
+SHRINKING = "the motion of every state shrinks from window to window"
 _HALF = 0.5  # of the spread of every state at most is left in the next window of a decay
 _RUNAWAY = 10.0  # times the spread of the window before is no bounded motion
 _FREQUENCIES = 25  # of the 0-1 test
 _LONGEST = 50  # period that the 0-1 test takes off
+_TURNS = 3  # round a circle in each half of a series, or more, are rotation
 
 
 def window_times(group: Group, record: int, first: int | Integers, chosen: Bools) -> Times:
@@ -276,10 +281,7 @@ def shrinks(earlier: Floats, later: Floats, floor: Floats) -> str:
     moves = before > floor
     less = (now <= _HALF * before) | (elsewhere(earlier, later, floor) & (now < before))
     if np.any(moves) and np.all(less[moves]) and np.all(now[~moves] <= floor[~moves]):
-        return (
-            "the motion of every state shrinks from window to window: it comes to rest slowly, and"
-            " a larger longest= follows it further"
-        )
+        return SHRINKING
     return ""
 
 
@@ -308,14 +310,38 @@ class StrobeTest(NamedTuple):
 
 def strobe_test(values: Floats) -> StrobeTest:
     """Test of one series without its strongest period."""
-    periods = range(1, min(_LONGEST, values.size // 4) + 1)
-    distance = [float(np.square(values[p:] - values[:-p]).mean()) for p in periods]
+    distance = _distances(values, min(_LONGEST, values.size // 4))
     p = 1 + int(np.argmin(distance))
-    scatter = 2.0 * float(values.var())
     rest = values - values.mean()
     for k in range(p):
         rest[k::p] -= rest[k::p].mean()
-    return StrobeTest(
-        float(np.median(correlations_of(rest, _FREQUENCIES, 0)[1])),
-        float(np.sqrt(distance[p - 1] / scatter)) if scatter > 0.0 else 0.0,
-    )
+    k_of_rest = float(np.median(correlations_of(rest, _FREQUENCIES, 0)[1]))
+    return StrobeTest(k_of_rest, float(distance[p - 1]))
+
+
+def rotation_number(values: Floats) -> float:
+    """Part of a circle by which each value of a series turns on, nan where they do not turn.
+
+    A map of a circle onto itself that is continuous and increasing keeps the cyclic order of its
+    points. One coordinate along the circle jumps where it begins anew, as a potential does at the
+    reset of a neuron, and the 0-1 test takes the jumps for noise. The order tells a turn from
+    chaos, which folds the circle (A. Katok and B. Hasselblatt, Introduction to the Modern Theory of
+    Dynamical Systems, 1995, section 11.1). A motion that settles to a cycle may keep it too, and
+    comes close to repeating with some period.
+    """
+    before, after = values[:-1], values[1:]
+    images = after[np.argsort(before)]
+    if np.count_nonzero(images < np.roll(images, 1)) > 1:
+        return np.nan
+    falls = after < before
+    counts = [np.bincount(part, minlength=2) for part in np.array_split(falls.astype(int), 2)]
+    if np.min(counts) < _TURNS or np.min(_distances(values, values.size // 4)) < NEARLY:
+        return np.nan
+    return float(falls.mean())
+
+
+def _distances(values: Floats, longest: int) -> Floats:
+    """How far values are from those 1, 2, ... before: root mean squares, in their scatter."""
+    squares = [float(np.square(values[p:] - values[:-p]).mean()) for p in range(1, longest + 1)]
+    scatter = 2.0 * float(values.var())
+    return np.sqrt(np.array(squares) / scatter) if scatter > 0.0 else np.zeros(longest)
