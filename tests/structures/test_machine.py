@@ -157,6 +157,20 @@ def test_a_ring_is_that_of_the_matrix_rotor():
     assert abs(one["force"] - other["ring1_force"]).max() < 1e-8
 
 
+def test_a_ring_with_one_preload_rides_as_in_the_model():
+    structure = ns.Structure(
+        np.eye(2), np.eye(2), damping=0.25 * np.eye(2), coordinates=["1x", "1y"]
+    )
+    ring = SnubberRing("1x", "1y", 1.0, 30.0, 0.004, preload_x=0.1, centre_x=-0.9)
+    system = machine(structure, [ring], [Unbalance("1x", "1y", 0.119)], Omega=2.442)
+    run = ns.simulate(system, {"x1": -0.9}, periods=10)
+    same = ns.simulate(ns.models.rotor(delta_x=0.1, delta_y=0.0), periods=10)
+    assert "riding" in ns.phase_word(run) and run.attrs["status"] == "completed"
+    assert run.attrs["n_events"] == same.attrs["n_events"] > 20
+    # rounding times the growth of the tangent over ten periods
+    assert abs(run["x1"] + 0.9 - same["x"]).max() < 1e-10
+
+
 @pytest.mark.slow  # 756 modes and cells take a minute to set up
 def test_two_rings_at_once():
     structure = ns.Structure(

@@ -17,7 +17,7 @@ from nonsmooth.structures.state_names import state_name, velocity_name, weighted
 from nonsmooth.structures.structure import Structure
 from nonsmooth.system.algebra.differentiate import rate_of_change
 from nonsmooth.system.algebra.graph import Graph
-from nonsmooth.system.parts import Exit, Text
+from nonsmooth.system.parts import Exit, Mode, Text
 from nonsmooth.system.surfaces import Surface
 from nonsmooth.system.text.expressions import name_set, to_text
 from nonsmooth.system.text.grammar import is_name, parse, why_no_name
@@ -48,17 +48,11 @@ _FIXED = Offset("")
 
 @dataclass
 class RingModes:
-    """A body without mass that is free in one mode and slaved in another."""
+    """A body without mass, with a mode by name for each way in which it moves."""
 
     name: str
     states: tuple[str, ...]
-    free_flow: Mapping[str, str]
-    free_slaved: Mapping[str, str]
-    free_definitions: Mapping[str, str]
-    free_exit: Exit
-    contact_slaved: Mapping[str, str]
-    contact_exit: Exit
-    cells: Mapping[str, str]
+    modes: Mapping[str, Mode]
 
 
 @dataclass
@@ -119,6 +113,8 @@ class Attachment:
     form: GeneralizedForm
     alone: bool
     """Whether the machine has one contact, so that its sides need no name of their own."""
+    one_ring: bool = False
+    """Whether it has one ring without mass: the modes of several multiply."""
 
     def side(self, name: str, side: str) -> str:
         """Name of a side of a surface for phase words."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 from typing import Any
 
@@ -147,7 +148,8 @@ def machine(
     limits = _speed_range(speed_range)
     reduction, states = _reduction(structure, named, limits)
     full, form = reduction.structure, generalized_form(reduction, states)
-    place = Attachment(full, reduction.keep, form, alone=len(listed_contacts) == 1)
+    n_rings = sum(isinstance(contact, SnubberRing) for contact in listed_contacts)
+    place = Attachment(full, reduction.keep, form, len(listed_contacts) == 1, n_rings == 1)
     linear = linear_part(place)
     parts = [
         bearing_part(place, bearing, held, called, limits)
@@ -413,34 +415,34 @@ def _record_coordinates(words: dict[str, Any], place: Attachment, outputs: Any) 
 def _ring_modes(
     flow: Mapping[str, str], exits: Sequence[Exit], rings: Sequence[RingModes], *, alone: bool
 ) -> dict[str, Mode]:
-    """A mode for each set of rings that are in contact; cells have names where a ring is alone."""
+    """A mode for each way in which the rings move; cells have names where a ring is alone."""
 
-    def called(closed: Sequence[bool]) -> str:
-        names = [ring.name for ring, each in zip(rings, closed, strict=True) if each]
-        if not names:
-            return "free"
-        return "contact" if len(rings) == 1 else "_".join(names)
+    def called(ways: Sequence[str]) -> str:
+        if len(rings) == 1:
+            return ways[0]
+        return (
+            "_".join(r.name for r, way in zip(rings, ways, strict=True) if way != "free") or "free"
+        )
 
-    alone = alone and len(rings) == 1
     modes = {}
-    for closed in product((False, True), repeat=len(rings)):
-        rates, ways = dict(flow), list(exits)
-        slaved: dict[str, str] = {}
-        definitions: dict[str, str] = {}
-        for i, (ring, touches) in enumerate(zip(rings, closed, strict=True)):
-            other = called([not each if i == j else each for j, each in enumerate(closed)])
-            way = ring.contact_exit if touches else ring.free_exit
-            ways.append(Exit(way.guard, to=other, reset=way.reset, name=way.name))
-            slaved |= ring.contact_slaved if touches else ring.free_slaved
-            if not touches:
-                rates |= ring.free_flow
-                definitions |= ring.free_definitions
-        cells = rings[0].cells
-        modes[called(closed)] = Mode(
+    for ways in product(*(ring.modes for ring in rings)):
+        rates: dict[str, Text] = dict(flow)
+        passed = list(exits)
+        slaved: dict[str, Text] = {}
+        definitions: dict[str, Text] = {}
+        for i, (ring, way) in enumerate(zip(rings, ways, strict=True)):
+            own = ring.modes[way]
+            for each in own.exits:
+                other = (*ways[:i], str(each.to), *ways[i + 1 :])
+                passed.append(replace(each, to="stop" if each.to == "stop" else called(other)))
+            rates |= own.flow
+            slaved |= own.slaved
+            definitions |= own.definitions
+        modes[called(ways)] = Mode(
             rates,
-            exits=ways,
+            exits=passed,
             slaved=slaved,
             definitions=definitions,
-            cells=None if not alone else cells if any(closed) else dict.fromkeys(cells, "free"),
+            cells=rings[0].modes[ways[0]].cells if alone and len(rings) == 1 else None,
         )
     return modes

@@ -3,7 +3,7 @@ r"""Rings around a shaft: one that is a spring and rubs, and the preloaded ring 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from nonsmooth.errors import ModelError
@@ -18,7 +18,7 @@ from nonsmooth.structures.contributions import (
     check_text,
 )
 from nonsmooth.structures.state_names import state_name, velocity_name
-from nonsmooth.system.parts import Exit, Text
+from nonsmooth.system.parts import Mode, Text
 from nonsmooth.system.surfaces import Surface
 
 __all__ = ["RubRing", "SnubberRing"]
@@ -194,8 +194,8 @@ class SnubberRing:
     requires. Several rings make a mode for each set of rings in contact, and each ring has nine
     cells in each: three rings have 8 modes with 729 cells, which is too many, two have 324.
 
-    Where no motion is possible, as behind some releases with unequal preloads, a run ends as
-    ``undecided``; see the page on the rotor in its ring.
+    Behind some releases with unequal preloads the ring rides on the shaft, as in `models.rotor`. A
+    machine with several such rings has no modes for that, and its run ends as ``undecided`` there.
 
     Examples
     --------
@@ -240,11 +240,13 @@ class SnubberRing:
         for key, label, require, reason in _SNUBBER:
             made.value(f"{name}_{key}", getattr(self, key), f"{label} of {name}", require, reason)
         _centre(made, name, self, state_name(at_x), state_name(at_y))
-        ring = RingNames("k_s", "c_s", "gamma", "", "")
-        words = ring_words(f"{name}_x", f"{name}_y", ring, rides=False)
+        # given names of their own below, as those of the texts
+        ring = RingNames("k_s", "c_s", "gamma", "rotor_vx", "rotor_vy")
+        words = ring_words(f"{name}_x", f"{name}_y", ring, rides=place.one_ring)
         del words["outputs"]["x"], words["outputs"]["y"]
         called = {key: f"{name}_{key}" for key in (*words["definitions"], "sx", "sy", "mu")}
         called |= {key: f"{name}_{new}" for key, new in _RENAMED.items()}
+        called |= {"rotor_vx": velocity_name(at_x), "rotor_vy": velocity_name(at_y)}
         pattern = re.compile(r"\b(" + "|".join(called) + r")\b")
 
         def own(text: Any) -> str:
@@ -260,18 +262,27 @@ class SnubberRing:
             made.describe[output] = f"{_LABELS[key]} of {name}"
         for axis, coordinate in (("x", at_x), ("y", at_y)):
             made.loads.append((called[f"F{axis}"], place.at({coordinate: -1.0})))
-        free, contact = words["modes"]["free"], words["modes"]["contact"]
-        touch, release = free.exits[0], contact.exits[0]
         made.ring = RingModes(
             name,
             tuple(called[key] for key in ("sx", "sy", "mu")),
-            owned(free.flow),
-            owned(free.slaved),
-            owned(free.definitions),
-            Exit(own(touch.guard), reset=owned(touch.reset), name=place.side(name, "contact")),
-            owned(contact.slaved),
-            Exit(own(release.guard), reset=owned(release.reset), name=place.side(name, "release")),
-            contact.cells or {},
+            {
+                way: Mode(
+                    owned(mode.flow),
+                    [
+                        replace(
+                            each,
+                            guard=own(each.guard),
+                            reset=owned(each.reset),
+                            name=place.side(name, each.name or ""),
+                        )
+                        for each in mode.exits
+                    ],
+                    owned(mode.slaved),
+                    owned(mode.definitions),
+                    mode.cells,
+                )
+                for way, mode in words["modes"].items()
+            },
         )
         for key, label in (("sx", "displacement in x"), ("sy", "displacement in y")):
             made.describe[called[key]] = f"{label} of {name}"
