@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mpmath import mp
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, OptionError, System
@@ -326,3 +327,31 @@ def test_a_start_is_one_point_of_a_dataset():
     point = diagram.isel(parameter=0, lane=0, point=0)
     again = ns.simulate(system, point, periods=1, parameters={"omega": 0.7})
     assert again.attrs["status"] == "completed"
+
+
+@pytest.mark.parametrize(
+    ("force", "leaves"),
+    [
+        ("t*(2 - t)", 2.0),  # the third derivative of the guard is the first one that is not zero
+        ("t**2*(2 - t)", 2.0),
+        ("t**3*(2 - t)", 2.0),
+        ("sin(t)", np.pi),
+        ("1 - cos(t) - t**2/8", None),
+    ],
+)
+def test_a_mass_at_a_wall_that_is_pressed_on_only_later(force, leaves):
+    """At a start at rest the first derivative of the guard that is not zero decides.
+
+    While the mass stands, the force is the reaction, and the mass leaves where that turns round.
+    """
+    wall = Exit("-x", reset={"v": "-0.5*v"}, name="impact", sticks="rest")
+    system = System(
+        states=["x", "v"], modes={"free": Mode({"x": "v", "v": f"{force} - x - v"}, exits=[wall])}
+    )
+    if leaves is None:  # 1 - cos t = 2 sin(t/2)^2 meets t^2/8 where sin(t/2) = t/4
+        leaves = float(mp.findroot(lambda t: mp.sin(t / 2) - t / 4, 3.8))
+    run = ns.simulate(system, {"x": 0.0, "v": 0.0}, t_end=4.5)
+    assert run.attrs["status"] == "completed"
+    names = [system.mode_names[int(mode)] for mode in run["event_to"].values]
+    assert names[:2] == ["rest", "free"]
+    assert abs(float(run["event_time"][1]) - leaves) < 1e-12

@@ -70,10 +70,15 @@ inline bool flies_lowest(const Tables& tables, const Rebound& rebound, const dou
     return 0.5 * rate * rate <= lowest * size * -push;
 }
 
-// Whether a guard without a rate is pressed back to zero, now or soon.
-inline bool is_pressed(const TermSum& push, const TermSum& jerk, double tolerance) {
-    if (push.value < -tolerance * push.size) return true;
-    return push.value <= tolerance * push.size && jerk.value < -tolerance * jerk.size;
+// Whether a guard without a rate is pressed back to zero, now or soon: by its first derivative from
+// the second one on that is not zero.
+inline bool is_pressed(const Tables& tables, Index m, Index e, const double* z,
+                       const double* extent, double tolerance) {
+    for (Index r = 2; r < DERIVATIVES; ++r) {
+        const TermSum term = guard_terms(tables, m, e, r, z, extent);
+        if (std::fabs(term.value) > tolerance * term.size) return term.value < 0.0;
+    }
+    return false;
 }
 
 // Time until rebounds are over; never while they go on. z are the coordinates behind the impact,
@@ -92,7 +97,7 @@ inline double rest_time(const Tables& tables, const Rebound& rebound, const doub
     const TermSum push = guard_terms(tables, m, e, 2, z, extent);
     const TermSum jerk = guard_terms(tables, m, e, 3, z, extent);
     if (std::fabs(rate.value) <= std::max(tolerance * rate.size, gone * rebound.largest)) {
-        return is_pressed(push, jerk, tolerance) ? 0.0 : never;
+        return is_pressed(tables, m, e, z, extent, tolerance) ? 0.0 : never;
     }
     const bool pressed = push.value < -tolerance * push.size;
     const double ratio = rebound.arrival < 0.0 ? -rate.value / rebound.arrival : 1.0;
