@@ -41,6 +41,7 @@ class Components(NamedTuple):
     variances: Floats  # of their coefficients, in squares of the unit of the residuals
     freedom: Floats  # degrees of freedom with which each variance is known
     coefficients: Floats  # (m,) most likely ones; zero in families that were left out
+    noise: float  # variance of the white noise
     n_spent: float  # how many coefficients the residuals have determined
 
 
@@ -145,7 +146,9 @@ class _Likelihood:
         coefficients[own] = weight * likely
         variances = noise * np.exp(found.logs) / self._mean[found.families]
         spent = own.size - float(np.trace(np.linalg.inv(matrix)))
-        return Components(found.families, variances, self._freedom(found), coefficients, spent)
+        return Components(
+            found.families, variances, self._freedom(found), coefficients, float(noise), spent
+        )
 
     def _freedom(self, found: _Subset) -> Floats:
         """Degrees of freedom, by Satterthwaite: two over the variance of a logarithm."""
