@@ -141,15 +141,17 @@ def test_a_wrong_mass_is_told_as_an_error_of_the_forces_and_measured():
     rng = np.random.default_rng(7)
     found = fitted(response(mass=1.02), rng, level=0.2 * NOISE)
     assert told(found) == {"linear forces"}
-    assert "a mass, a stiffness, a damper or a dead load of the model were off" in (
-        found.attrs["message"]
+    assert (
+        "a mass, a stiffness, a damper or a dead load of the model were off"
+        in (found.attrs["message"])
     )
     sizes = found["force_error"]
     assert np.isfinite(sizes.sel(source="linear forces"))
     assert np.isnan(sizes.sel(source=["time base", "nonlinear forces"])).all()
     assert holds(found).all()
+    # noise alone would leave the stiffness open to far less than the mass has moved it by
     error = found["standard_error"].values / np.sqrt(found["variance_ratio"].values)
-    assert np.all(np.abs(found["estimate"].values - TRUTH) > 3.0 * error)
+    assert abs(found["estimate"].values[0] - K) > 100.0 * error[0]
 
 
 @pytest.mark.slow

@@ -151,9 +151,7 @@ def _terms_of(
     return terms
 
 
-def _sizes(
-    shooting: Shooting, terms: Sequence[_Term], samples: Sequence[MotionSamples]
-) -> Floats:
+def _sizes(shooting: Shooting, terms: Sequence[_Term], samples: Sequence[MotionSamples]) -> Floats:
     """Root mean squares of the terms along the motions."""
     squares, count = np.zeros(len(terms)), 0
     texts = {term.coefficient: term.text for term in terms}
