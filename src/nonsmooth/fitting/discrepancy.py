@@ -17,6 +17,9 @@ is the discrepancy of Kennedy and O'Hagan, whose covariance is that of the filte
 which a random force brings to the record: what the fit cannot absorb of an error tells the size of
 that which it has absorbed.
 
+Samples whose residual is far from all others, as beside a jump of the signal, tell nothing of all
+this. What they do to the estimates counts by their squares, as in the sandwich of Eicker and White.
+
 Each channel by itself tells which families it needs. The variances of the forces are then found
 from all channels together, each of them with the errors that are its own.
 """
@@ -55,6 +58,8 @@ _NO_PERIOD = 50.0  # samples that take its place
 _FEWEST = 50  # samples of a channel that is looked at
 _MOST, _MOST_PERIODS = 20_000, 200  # from which variances are found: more tell little more
 _EXACT = 1e-6  # of the spread of a channel: errors of the integration follow the motion, too
+_FAR = 6.0  # standard deviations, which noise of 1e6 samples hardly reaches
+_MEDIAN = 0.6744897501960817  # of the size of a normal variable
 _SMALL = 0.3  # error of forces, as a part of them, that may count as small
 _ROUNDS = 3  # of families and the correlation of what they leave
 
@@ -75,6 +80,7 @@ class Discrepancies(NamedTuple):
     found: list[Discrepancy]
     rows: Residuals  # residuals without it; rows that were not looked at do not match
     n_spent: float  # how many coefficients were found
+    far: Floats  # (m, r): residuals that nothing explains, times the weights of r sums
 
 
 class _Family(Protocol):
@@ -154,7 +160,11 @@ def discrepancies_of(shooting: Shooting, fitted: Fitted, tangents: Floats) -> Di
     for each in explained:
         each.clean(residual, matched)
     spent = sum(each.parts.n_spent for each in explained if each.parts is not None)
-    return Discrepancies(found, rows._replace(residual=residual, matched=matched), spent)
+    far = np.concatenate([each.looked.own[each.is_far] for each in explained] or [[]]).astype(int)
+    return Discrepancies(
+        found, rows._replace(residual=residual, matched=matched), spent,
+        residual[far, None] * tangents[far],
+    )  # fmt: skip
 
 
 def _looked_at(shooting: Shooting, fitted: Fitted) -> list[_Looked]:
@@ -207,7 +217,7 @@ class _Looked(NamedTuple):
     channel: int
     own: Integers  # (N,) its rows
     place: Integers  # (N,) samples of its rows
-    residual: Floats  # (K,) nan where there is none
+    residual: Floats  # (K,) nan where there is none, or one that is no noise
     rate: float  # root mean square of the rate of the signal, over the noise
     families: Sequence[_Family]
     last: int  # how many samples variances are found from
@@ -220,6 +230,7 @@ class _Looked(NamedTuple):
         count = int(place.max()) + 1
         residual, data = np.full(count, np.nan), shooting.channels[c].values
         residual[place] = rows.residual[own]
+        residual[_far(residual)] = np.nan
         signal = data[place] / fitted.noise[c] + rows.residual[own]
         order = np.argsort(place)
         signal = np.interp(np.arange(count), place[order], signal[order])
@@ -253,7 +264,7 @@ class _Looked(NamedTuple):
     def explained(self, tangents: Floats) -> _Explained:
         """Families for which the residuals speak, beside noise that is an autoregression."""
         known = np.isfinite(self.early)
-        along = self._placed(tangents, self.last)
+        along = known[:, None] * self._placed(tangents, self.last)
         columns = [known[:, None] * each.columns(self.last) for each in self.families]
         residual = np.where(known, self.early, 0.0)
         back, found = autoregression(self.early), None
@@ -319,7 +330,7 @@ class _Explained(NamedTuple):
                 *(looked._placed(each, looked.last) for each in rows),
             ]
         )
-        whole = lfilter(self.back, [1.0], whole, axis=0)
+        whole = lfilter(self.back, [1.0], known[:, None] * whole, axis=0)
         noise = float(np.mean(whole[known, 0] ** 2)) if self.parts is None else self.parts.noise
         errors = [
             np.sqrt(variance) * known[:, None] * looked.families[k].columns(looked.last)
@@ -355,7 +366,14 @@ class _Explained(NamedTuple):
         likely = np.concatenate(columns, axis=1) @ self.parts.coefficients
         early = looked.is_early
         residual[looked.own[early]] -= likely[looked.place[early]]
-        matched[looked.own[~early]] = False
+        matched[looked.own[~early | self.is_far]] = False
+
+    @property
+    def is_far(self) -> npt.NDArray[np.bool_]:
+        """Which rows have a residual that neither noise nor a family explains."""
+        looked = self.looked
+        far: npt.NDArray[np.bool_] = np.isnan(looked.residual[looked.place])
+        return far if self.parts is not None else np.zeros_like(far)
 
 
 def _between_marks(phase: Floats, rate: Floats) -> csr_array:
@@ -365,6 +383,20 @@ def _between_marks(phase: Floats, rate: Floats) -> csr_array:
     entries = np.concatenate([(1.0 - part) * rate, part * rate])
     places = np.tile(sample, 2), np.concatenate([before, before + 1])
     return csr_array((entries, places), shape=(phase.size, int(before.max()) + 2))
+
+
+def _far(residual: Floats) -> npt.NDArray[np.bool_]:
+    """Residuals far from what those before let expect: where a quantity jumps, say.
+
+    An instant of a jump that is slightly wrong leaves the whole jump in one sample, which is
+    linear in nothing.
+    """
+    size = _FAR * float(np.nanmedian(np.abs(residual))) / _MEDIAN
+    near = np.clip(residual, -size, size)
+    filled = np.where(np.isfinite(near), near, 0.0)
+    news = residual - filled + lfilter(autoregression(near), [1.0], filled)
+    far: npt.NDArray[np.bool_] = np.abs(news) > _FAR * np.nanmedian(np.abs(news)) / _MEDIAN
+    return far
 
 
 def _scaled(series: Floats) -> Floats:
