@@ -17,8 +17,8 @@ is the discrepancy of Kennedy and O'Hagan, whose covariance is that of the filte
 which a random force brings to the record: what the fit cannot absorb of an error tells the size of
 that which it has absorbed.
 
-Samples whose residual is far from all others, as beside a jump of the signal, tell nothing of all
-this. What they do to the estimates counts by their squares, as in the sandwich of Eicker and White.
+A sample whose residual is far from all others, as beside a jump of the signal, tells nothing of the
+forces. What it does to the estimates counts by its square, as in the sandwich of Eicker and White.
 
 Each channel by itself tells which families it needs. The variances of the forces are then found
 from all channels together, each of them with the errors that are its own.
@@ -145,22 +145,24 @@ def discrepancies_of(shooting: Shooting, fitted: Fitted, tangents: Floats) -> Di
     tangents: orthonormal derivatives (N, r) of all residuals by what was fitted; the covariances
     that are found are those of the sums of residuals with these weights
     """
-    looked = _looked_at(shooting, fitted)
+    looked, rows = _looked_at(shooting, fitted), fitted.evaluation.rows
     forces = force_errors(shooting, fitted) if looked else None
-    families = [] if forces is None else [forces.linear, forces.nonlinear]
-    explained = [each.with_common(families).explained(tangents[each.own]) for each in looked]
-    rows = fitted.evaluation.rows
-    found: list[Discrepancy] = []
-    if forces is not None and any(each.needs_common for each in explained):
-        found = _of_forces(forces, explained, rows.channel, tangents)
-        if not found:  # one channel asks for what the others or good sense speak against
-            explained = [each.without_common(tangents) for each in explained]
+    found, explained = [], []
+    if forces is not None:
+        families = [forces.linear, forces.nonlinear]
+        explained = [each.with_common(families).explained(tangents[each.own]) for each in looked]
+        if any(each.needs_common for each in explained):
+            found = _of_forces(forces, explained, rows.channel, tangents)
+    if not found:
+        explained = [each.explained(tangents[each.own]) for each in looked]
     found += [part for each in explained for part in each.discrepancies(tangents)]
     residual, matched = rows.residual.copy(), rows.matched.copy()
     for each in explained:
         each.clean(residual, matched)
     spent = sum(each.parts.n_spent for each in explained if each.parts is not None)
-    far = np.concatenate([each.looked.own[each.is_far] for each in explained] or [[]]).astype(int)
+    far = np.zeros(residual.size, bool)
+    for each in explained:
+        far[each.looked.own] = each.is_far
     return Discrepancies(
         found, rows._replace(residual=residual, matched=matched), spent,
         residual[far, None] * tangents[far],
@@ -230,7 +232,6 @@ class _Looked(NamedTuple):
         count = int(place.max()) + 1
         residual, data = np.full(count, np.nan), shooting.channels[c].values
         residual[place] = rows.residual[own]
-        residual[_far(residual)] = np.nan
         signal = data[place] / fitted.noise[c] + rows.residual[own]
         order = np.argsort(place)
         signal = np.interp(np.arange(count), place[order], signal[order])
@@ -252,9 +253,10 @@ class _Looked(NamedTuple):
         return cls(c, own, place, residual, deviation, families, last)
 
     def with_common(self, common: Sequence[Floats]) -> _Looked:
-        """The channel with its own families and these, whose columns all rows of a fit have."""
-        own = [_Columns(self._placed(columns[self.own], len(self.residual))) for columns in common]
-        return self._replace(families=[*self.families[:_OWN], *own])
+        """The channel with families of all rows of a fit, without samples where these fail."""
+        added = [_Columns(self._placed(each[self.own], self.residual.size)) for each in common]
+        near = np.where(_far(self.residual), np.nan, self.residual)
+        return self._replace(families=[*self.families, *added], residual=near)
 
     @property
     def is_early(self) -> npt.NDArray[np.bool_]:
@@ -305,12 +307,6 @@ class _Explained(NamedTuple):
     def needs_common(self) -> bool:
         """Whether a family of all channels is among its families."""
         return self.parts is not None and max(self.parts.families) >= _OWN
-
-    def without_common(self, tangents: Floats) -> _Explained:
-        """The channel without families of all channels."""
-        if not self.needs_common:
-            return self
-        return self.looked.with_common([]).explained(tangents[self.looked.own])
 
     def _own(self) -> list[tuple[int, float, float]]:
         """Number, variance and degrees of freedom of the families that are of this channel."""
@@ -388,8 +384,8 @@ def _between_marks(phase: Floats, rate: Floats) -> csr_array:
 def _far(residual: Floats) -> npt.NDArray[np.bool_]:
     """Residuals far from what those before let expect: where a quantity jumps, say.
 
-    An instant of a jump that is slightly wrong leaves the whole jump in one sample, which is
-    linear in nothing.
+    An instant of a jump that is slightly wrong leaves the whole jump in one sample. No error of
+    the forces is linear in that.
     """
     size = _FAR * float(np.nanmedian(np.abs(residual))) / _MEDIAN
     near = np.clip(residual, -size, size)

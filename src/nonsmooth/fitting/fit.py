@@ -219,10 +219,10 @@ def fit(
     masses. Each family has random coefficients whose variance is found by restricted maximum
     likelihood, beside the autoregression. One after the other enters as long as the ratio of
     likelihoods has a probability below 0.01 without it. Its covariance is part of the sandwich, and
-    degrees of freedom of the variances, by Satterthwaite, make the quantile larger: few of them tell
-    the size of a wrong mass, and intervals are wide. Forces that would err by 30 % and more count as
-    none. What the parameters absorb of a wrong model leaves no trace in the residuals; no single
-    record shows it.
+    degrees of freedom of the variances, by Satterthwaite, make the quantile larger: few of them
+    tell the size of a wrong mass, and intervals are wide. Forces that would err by 30 % and more
+    count as none. What the parameters absorb of a wrong model leaves no trace in the residuals; no
+    single record shows it.
 
     References
     ----------
