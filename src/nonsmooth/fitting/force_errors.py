@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.fitting.channels import Range
 from nonsmooth.fitting.linearised import closed_derivatives
 from nonsmooth.fitting.observation import MotionSamples, Observation
@@ -72,10 +72,10 @@ def force_errors(shooting: Shooting, fitted: Fitted) -> ForceErrors | None:
         for k, (velocity, position) in enumerate(positions.items())
         for term in _terms_of(shooting.system, k, position, velocity, samples)
     ]
-    sizes = _sizes(shooting, terms, samples)
     try:
+        sizes = _sizes(shooting, terms, samples)
         by_term = _columns(shooting, fitted, terms)
-    except ModelError:  # equations that cannot be written with one more force
+    except (ModelError, OptionError):  # equations that cannot be written with one more force
         return None
     inertia = {term.velocity: sizes[k] for k, term in enumerate(terms) if term.is_inertia}
     if by_term is None or not np.all(sizes > 0.0):
