@@ -39,7 +39,10 @@ def recorded(machine, periods, start, channels, sensor, seed, per_period=60):
 
 
 def forty() -> dict:
-    """40 periods of the soft impact oscillator, in many segments and in one."""
+    """40 periods of the soft impact oscillator, in many segments and in one.
+
+    What counts is where the start leads: a wide interval may lead on to a lower minimum.
+    """
     shown, found = recorded(
         motions.soft_impact(), 40, (0.3, 0.1), {"x": lambda each: each.states[:, 0]},
         Sensor(0.02), 1,
@@ -50,12 +53,13 @@ def forty() -> dict:
         fitted = ns.fit(ns.models.soft_impact(), shown, free, starts=1, segments=segments)
         answers[name] = {
             "estimate": fitted["estimate"].values.tolist(),
+            "led_to": fitted["start_estimate"].isel(start=0).values.tolist(),
             "low": fitted["interval_low"].values.tolist(),
             "high": fitted["interval_high"].values.tolist(),
             "noise": float(fitted["noise"][0] / shown["x"].std()),
         }
     off = {
-        name: np.abs(np.array(answers[name]["estimate"]) / answers["truth"] - 1.0)
+        name: np.abs(np.array(answers[name]["led_to"]) / answers["truth"] - 1.0)
         for name in ("many", "one")
     }
     return answers | {"passed": bool(np.all(off["many"] < 0.05) and np.any(off["one"] > 0.1))}
