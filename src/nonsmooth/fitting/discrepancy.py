@@ -1,4 +1,4 @@
-"""Errors that follow the motion: of the time base, of the sensor, of the model.
+"""Errors that follow the motion: of the time base, of the sensor, of the forces, of the model.
 
 Noise does not know where the machine is. Other errors do, and come again whenever the motion does:
 
@@ -7,12 +7,21 @@ Noise does not know where the machine is. Other errors do, and come again whenev
 - the sensor: a filter of a few samples acts on the signal, such as that of a sensor whose band is
   not wide. It acts on second differences, as gain and delay are options of a fit;
 - the motion: any filter as long as a period acts on the signal. It says nothing of the cause: the
-  model or the sensor is wrong, in a way that repeats with the motion.
+  model or the sensor is wrong, in a way that repeats with the motion;
+- linear and nonlinear forces: the forces of the model are wrong, by random functions of position
+  and velocity (`nonsmooth.fitting.force_errors`). All channels show one and the same error.
 
 Each is a family of random errors with one variance, which is found by restricted maximum likelihood
 (`nonsmooth.fitting.variance_components`). The covariance of the estimates follows from that. This
-is the discrepancy of Kennedy and O'Hagan with the filtered signal as its covariance: what the fit
-cannot absorb of an error tells the size of that which it has absorbed.
+is the discrepancy of Kennedy and O'Hagan, whose covariance is that of the filtered signal, or that
+which a random force brings to the record: what the fit cannot absorb of an error tells the size of
+that which it has absorbed.
+
+A sample whose residual is far from all others, as beside a jump of the signal, tells nothing of the
+forces. What it does to the estimates counts by its square, as in the sandwich of Eicker and White.
+
+Each channel by itself tells which families it needs. The variances of the forces are then found
+from all channels together, each of them with the errors that are its own.
 """
 
 from __future__ import annotations
@@ -26,18 +35,22 @@ from scipy.signal import lfilter
 from scipy.sparse import csr_array
 
 from nonsmooth.fitting.correlated import NOT_WHITE, autoregression
+from nonsmooth.fitting.force_errors import ForceErrors, force_errors
 from nonsmooth.fitting.residuals import Residuals
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted
 from nonsmooth.fitting.variance_components import Components, variance_components
 
-__all__ = ["MOTION", "SENSOR", "SOURCES", "TIME_BASE", "Discrepancies", "Discrepancy",
-           "discrepancies_of"]  # fmt: skip
+__all__ = ["LINEAR", "MOTION", "NONLINEAR", "SENSOR", "SOURCES", "TIME_BASE", "Discrepancies",
+           "Discrepancy", "discrepancies_of"]  # fmt: skip
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
-TIME_BASE, SENSOR, MOTION = SOURCES = ("time base", "sensor", "motion")
+TIME_BASE, SENSOR, MOTION, LINEAR, NONLINEAR = SOURCES = (
+    "time base", "sensor", "motion", "linear forces", "nonlinear forces",
+)  # fmt: skip
+_OWN = 3  # of these are of one channel, the rest are common to all
 
 _REACH = 2  # of the filter of a sensor, in samples to each side
 _PER_PERIOD = 30  # lags of the filter over a period, to each side
@@ -45,16 +58,18 @@ _NO_PERIOD = 50.0  # samples that take its place
 _FEWEST = 50  # samples of a channel that is looked at
 _MOST, _MOST_PERIODS = 20_000, 200  # from which variances are found: more tell little more
 _EXACT = 1e-6  # of the spread of a channel: errors of the integration follow the motion, too
+_FAR = 6.0  # standard deviations, which noise of 1e6 samples hardly reaches
+_MEDIAN = 0.6744897501960817  # of the size of a normal variable
+_SMALL = 0.3  # error of forces, as a part of them, that may count as small
 _ROUNDS = 3  # of families and the correlation of what they leave
 
 
 class Discrepancy(NamedTuple):
-    """Random errors of one source in one channel."""
+    """Random errors of one source."""
 
-    channel: int
     source: str
-    size: float  # root mean square, in units of the noise of the channel
-    time: float  # standard deviation of the time of a sample; nan but for the time base
+    sizes: dict[int, float]  # by channel, root mean square in units of its noise
+    unit: float  # standard deviation of times, or as a part of the forces; nan of a filter
     freedom: float  # degrees of freedom with which the size is known
     factor: Floats  # (m, r): its product with itself is the covariance of r sums of residuals
 
@@ -65,6 +80,7 @@ class Discrepancies(NamedTuple):
     found: list[Discrepancy]
     rows: Residuals  # residuals without it; rows that were not looked at do not match
     n_spent: float  # how many coefficients were found
+    far: Floats  # (m, r): residuals that nothing explains, times the weights of r sums
 
 
 class _Family(Protocol):
@@ -110,38 +126,100 @@ class _Clock(NamedTuple):
         return found
 
 
+class _Columns(NamedTuple):
+    """Columns that are known."""
+
+    matrix: Floats  # (K, m)
+
+    def columns(self, last: int) -> Floats:
+        return self.matrix[:last]
+
+    def loads(self, weights: Floats) -> Floats:
+        found: Floats = self.matrix.T @ weights
+        return found
+
+
 def discrepancies_of(shooting: Shooting, fitted: Fitted, tangents: Floats) -> Discrepancies:
     """Errors that follow the motion, in all channels of samples.
 
     tangents: orthonormal derivatives (N, r) of all residuals by what was fitted; the covariances
     that are found are those of the sums of residuals with these weights
     """
-    rows = fitted.evaluation.rows
-    found: list[Discrepancy] = []
-    residual, matched, spent = rows.residual.copy(), rows.matched.copy(), 0.0
+    looked, rows = _looked_at(shooting, fitted), fitted.evaluation.rows
+    forces = force_errors(shooting, fitted) if looked else None
+    found, explained = [], []
+    if forces is not None:
+        families = [forces.linear, forces.nonlinear]
+        explained = [each.with_common(families).explained(tangents[each.own]) for each in looked]
+        if any(each.needs_common for each in explained):
+            found = _of_forces(forces, explained, rows.channel, tangents)
+    if not found:
+        explained = [each.explained(tangents[each.own]) for each in looked]
+    found += [part for each in explained for part in each.discrepancies(tangents)]
+    residual, matched = rows.residual.copy(), rows.matched.copy()
+    for each in explained:
+        each.clean(residual, matched)
+    spent = sum(each.parts.n_spent for each in explained if each.parts is not None)
+    far = np.zeros(residual.size, bool)
+    for each in explained:
+        far[each.looked.own] = each.is_far
+    return Discrepancies(
+        found, rows._replace(residual=residual, matched=matched), spent,
+        residual[far, None] * tangents[far],
+    )  # fmt: skip
+
+
+def _looked_at(shooting: Shooting, fitted: Fitted) -> list[_Looked]:
+    """Channels with samples enough, and with errors larger than those of the integration."""
+    rows, found = fitted.evaluation.rows, []
     for c, channel in enumerate(shooting.channels):
         own = np.flatnonzero(rows.channel == c)
-        size = np.sqrt(np.mean(residual[own] ** 2)) * fitted.noise[c] if own.size else 0.0
+        size = np.sqrt(np.mean(rows.residual[own] ** 2)) * fitted.noise[c] if own.size else 0.0
         if channel.shows_events or own.size < _FEWEST or size <= _EXACT * channel.spread:
             continue
         looked = _Looked.at(shooting, fitted, c, own)
-        parts = looked.components(tangents[own])
-        if parts is None:
-            continue
-        found += looked.discrepancies(parts, tangents[own])
-        inside = rows.place[own] < looked.last
-        residual[own[inside]] -= looked.likely(parts)[rows.place[own[inside]]]
-        matched[own[~inside]] = False
-        spent += parts.n_spent
-    return Discrepancies(found, rows._replace(residual=residual, matched=matched), spent)
+        if np.count_nonzero(looked.is_early) >= _FEWEST:
+            found.append(looked)
+    return found
+
+
+def _of_forces(
+    forces: ForceErrors, explained: Sequence[_Explained], channel: Integers, tangents: Floats
+) -> list[Discrepancy]:
+    """Errors of the forces, with coefficients that all data share; none where these speak of none.
+
+    Errors that are not small beside the forces themselves count as none: motions are no longer
+    linear in them, and a channel that asks for so much has some other error.
+    """
+    families = [forces.linear, forces.nonlinear]
+    whole = np.concatenate([each.whitened(families, tangents) for each in explained])
+    residual, *columns, along = np.split(
+        whole, np.cumsum([1, *(each.shape[1] for each in families)]), axis=1
+    )
+    joint = variance_components(residual[:, 0], columns, along, NOT_WHITE)
+    if joint is None:
+        return []
+    found = []
+    for k, variance, freedom in zip(joint.families, joint.variances, joint.freedom, strict=True):
+        own, deviation = families[k], float(np.sqrt(variance))
+        squares = (own**2).sum(axis=1)
+        sizes = {
+            int(c): deviation * float(np.sqrt(squares[channel == c].mean()))
+            for c in np.unique(channel)
+        }
+        share = deviation * float(np.sqrt(own.shape[1] / forces.n_masses))
+        factor = deviation * own.T @ tangents
+        found.append(Discrepancy(SOURCES[_OWN + k], sizes, share, float(freedom), factor))
+    return found if max(each.unit for each in found) < _SMALL else []
 
 
 class _Looked(NamedTuple):
     """A channel with its families."""
 
     channel: int
+    own: Integers  # (N,) its rows
     place: Integers  # (N,) samples of its rows
-    residual: Floats  # (K,) nan where there is none
+    residual: Floats  # (K,) nan where there is none, or one that is no noise
     rate: float  # root mean square of the rate of the signal, over the noise
     families: Sequence[_Family]
     last: int  # how many samples variances are found from
@@ -171,21 +249,28 @@ class _Looked(NamedTuple):
             _Filter(_scaled(signal - signal.mean()), long),
         )
         last = min(count, _MOST, int(np.searchsorted(times - times[0], _MOST_PERIODS * period)))
-        return cls(c, place, residual, float(np.sqrt(np.mean(rate**2))), families, last)
+        deviation = float(np.sqrt(np.mean(rate**2)))
+        return cls(c, own, place, residual, deviation, families, last)
 
-    def components(self, tangents: Floats) -> Components | None:
+    def with_common(self, common: Sequence[Floats]) -> _Looked:
+        """The channel with families of all rows of a fit, without samples where these fail."""
+        added = [_Columns(self._placed(each[self.own], self.residual.size)) for each in common]
+        near = np.where(_far(self.residual), np.nan, self.residual)
+        return self._replace(families=[*self.families, *added], residual=near)
+
+    @property
+    def is_early(self) -> npt.NDArray[np.bool_]:
+        """Which rows variances are found from."""
+        return self.place < self.last
+
+    def explained(self, tangents: Floats) -> _Explained:
         """Families for which the residuals speak, beside noise that is an autoregression."""
-        known = np.isfinite(self.residual[: self.last])
-        own = self.place < self.last
-        if np.count_nonzero(own) < _FEWEST:
-            return None
-        along = np.zeros((self.last, tangents.shape[1]))
-        along[self.place[own]] = tangents[own]
+        known = np.isfinite(self.early)
+        along = known[:, None] * self._placed(tangents, self.last)
         columns = [known[:, None] * each.columns(self.last) for each in self.families]
-        residual = np.where(known, self.residual[: self.last], 0.0)
-        left, found = self.residual[: self.last], None
+        residual = np.where(known, self.early, 0.0)
+        back, found = autoregression(self.early), None
         for _ in range(_ROUNDS):
-            back = autoregression(left)
             found = variance_components(
                 lfilter(back, [1.0], residual),
                 [lfilter(back, [1.0], each, axis=0) for each in columns],
@@ -194,33 +279,97 @@ class _Looked(NamedTuple):
             )
             if found is None:
                 break
-            left = self.residual[: self.last] - np.concatenate(columns, axis=1) @ found.coefficients
+            left = self.early - np.concatenate(columns, axis=1) @ found.coefficients
+            back = autoregression(left)
+        return _Explained(self, back if found is not None else autoregression(self.early), found)
+
+    @property
+    def early(self) -> Floats:
+        """Residuals that variances are found from, nan where there is none."""
+        return self.residual[: self.last]
+
+    def _placed(self, values: Floats, count: int) -> Floats:
+        """Values of its rows at the first samples, zero where there are none."""
+        found = np.zeros((count, values.shape[1]))
+        here = self.place < count
+        found[self.place[here]] = values[here]
         return found
 
-    def likely(self, found: Components) -> Floats:
-        """The most likely errors (last,) that follow the motion."""
-        columns = np.concatenate([each.columns(self.last) for each in self.families], axis=1)
-        errors: Floats = columns @ found.coefficients
-        return errors
 
-    def discrepancies(self, found: Components, tangents: Floats) -> list[Discrepancy]:
-        """The families as errors of the channel."""
-        weights = np.zeros((self.residual.size, tangents.shape[1]))
-        weights[self.place] = tangents
-        parts = []
-        for family, variance, freedom in zip(
-            found.families, found.variances, found.freedom, strict=True
-        ):
-            each, deviation = self.families[family], float(np.sqrt(variance))
-            size = deviation * np.sqrt(np.mean((each.columns(self.last) ** 2).sum(axis=1)))
-            time = deviation / self.rate if SOURCES[family] == TIME_BASE else np.nan
+class _Explained(NamedTuple):
+    """A channel with what its residuals speak for."""
+
+    looked: _Looked
+    back: Floats  # autoregression of what that leaves
+    parts: Components | None
+
+    @property
+    def needs_common(self) -> bool:
+        """Whether a family of all channels is among its families."""
+        return self.parts is not None and max(self.parts.families) >= _OWN
+
+    def _own(self) -> list[tuple[int, float, float]]:
+        """Number, variance and degrees of freedom of the families that are of this channel."""
+        if self.parts is None:
+            return []
+        each = zip(self.parts.families, self.parts.variances, self.parts.freedom, strict=True)
+        return [(int(k), float(one), float(other)) for k, one, other in each if k < _OWN]
+
+    def whitened(self, common: Sequence[Floats], tangents: Floats) -> Floats:
+        """Residuals, common columns and tangents, as if noise and errors of its own were white."""
+        looked = self.looked
+        known = np.isfinite(looked.early)
+        rows = [columns[looked.own] for columns in (*common, tangents)]
+        whole = np.column_stack(
+            [
+                np.where(known, looked.early, 0.0),
+                *(looked._placed(each, looked.last) for each in rows),
+            ]
+        )
+        whole = lfilter(self.back, [1.0], known[:, None] * whole, axis=0)
+        noise = float(np.mean(whole[known, 0] ** 2)) if self.parts is None else self.parts.noise
+        errors = [
+            np.sqrt(variance) * known[:, None] * looked.families[k].columns(looked.last)
+            for k, variance, _ in self._own()
+        ]
+        if errors:
+            filtered = lfilter(self.back, [1.0], np.concatenate(errors, axis=1), axis=0)
+            along, sizes, _ = np.linalg.svd(filtered, full_matrices=False)
+            smaller = 1.0 - 1.0 / np.sqrt(1.0 + sizes**2 / noise)
+            whole = whole - (along * smaller) @ (along.T @ whole)
+        found: Floats = whole / np.sqrt(noise)
+        return found
+
+    def discrepancies(self, tangents: Floats) -> list[Discrepancy]:
+        """The families that are of this channel as errors."""
+        looked, found = self.looked, []
+        weights = looked._placed(tangents[looked.own], looked.residual.size)
+        for family, variance, freedom in self._own():
+            each, deviation = looked.families[family], float(np.sqrt(variance))
+            size = deviation * np.sqrt(np.mean((each.columns(looked.last) ** 2).sum(axis=1)))
+            time = deviation / looked.rate if SOURCES[family] == TIME_BASE else np.nan
             factor = deviation * each.loads(weights)
-            parts.append(
-                Discrepancy(
-                    self.channel, SOURCES[family], float(size), time, float(freedom), factor
-                )
-            )
-        return parts
+            sizes = {looked.channel: float(size)}
+            found.append(Discrepancy(SOURCES[family], sizes, time, freedom, factor))
+        return found
+
+    def clean(self, residual: Floats, matched: npt.NDArray[np.bool_]) -> None:
+        """Take the most likely errors out of residuals; later ones that may have some match not."""
+        looked = self.looked
+        if self.parts is None:
+            return
+        columns = [each.columns(looked.last) for each in looked.families]
+        likely = np.concatenate(columns, axis=1) @ self.parts.coefficients
+        early = looked.is_early
+        residual[looked.own[early]] -= likely[looked.place[early]]
+        matched[looked.own[~early | self.is_far]] = False
+
+    @property
+    def is_far(self) -> npt.NDArray[np.bool_]:
+        """Which rows have a residual that neither noise nor a family explains."""
+        looked = self.looked
+        far: npt.NDArray[np.bool_] = np.isnan(looked.residual[looked.place])
+        return far if self.parts is not None else np.zeros_like(far)
 
 
 def _between_marks(phase: Floats, rate: Floats) -> csr_array:
@@ -230,6 +379,20 @@ def _between_marks(phase: Floats, rate: Floats) -> csr_array:
     entries = np.concatenate([(1.0 - part) * rate, part * rate])
     places = np.tile(sample, 2), np.concatenate([before, before + 1])
     return csr_array((entries, places), shape=(phase.size, int(before.max()) + 2))
+
+
+def _far(residual: Floats) -> npt.NDArray[np.bool_]:
+    """Residuals far from what those before let expect: where a quantity jumps, say.
+
+    An instant of a jump that is slightly wrong leaves the whole jump in one sample. No error of
+    the forces is linear in that.
+    """
+    size = _FAR * float(np.nanmedian(np.abs(residual))) / _MEDIAN
+    near = np.clip(residual, -size, size)
+    filled = np.where(np.isfinite(near), near, 0.0)
+    news = residual - filled + lfilter(autoregression(near), [1.0], filled)
+    far: npt.NDArray[np.bool_] = np.abs(news) > _FAR * np.nanmedian(np.abs(news)) / _MEDIAN
+    return far
 
 
 def _scaled(series: Floats) -> Floats:

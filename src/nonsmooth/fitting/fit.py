@@ -160,7 +160,8 @@ def fit(
         ``prediction_error`` (root mean square of what was held back, in units of the noise),
         ``ljung_box`` and ``whiteness`` (its probability for white residuals), ``channel_units``,
         those of the record. Over ``channel`` and ``source``: ``discrepancy``, the root mean square
-        of errors that follow the motion, 0 where residuals speak of none. Over ``channel`` and
+        of errors that follow the motion, 0 where residuals speak of none. Over ``source``:
+        ``force_error``, that of the forces as a part of the accelerations. Over ``channel`` and
         ``time``: ``measured``, ``fitted``,
         ``residual``, ``held_back``. Over ``picked``, the events of all channels:
         ``picked_channel``, ``picked_measured``, ``picked_fitted``,
@@ -208,14 +209,20 @@ def fit(
     the estimates is then a sandwich, and the profile falls by the quantile times the ratio of the
     variances. That counts in coloured noise.
 
-    Errors that follow the motion come again with it, and noise does not. Three families of them are
+    Errors that follow the motion come again with it, and noise does not. Five families of them are
     looked for: errors of the times of the samples that change from period to period; a filter of a
-    few samples, as that of a sensor; and any filter as long as a period, which the model or the
-    sensor may cause. Each has random coefficients whose variance is found by restricted maximum
-    likelihood, beside the autoregression, and stays where the ratio of likelihoods has a
-    probability below 0.01 without it. Its covariance is part of the sandwich, and degrees of
-    freedom of the variances, by Satterthwaite, make the quantile larger. What the parameters absorb
-    of a wrong model leaves no trace in the residuals; no single record shows it.
+    few samples, as that of a sensor; any filter as long as a period, which the model or the sensor
+    may cause; forces that err as those of a mass, a stiffness, a damper or a dead load that is
+    off; and nonlinear forces that the model lacks, up to the third degree in position and velocity
+    of each mass. Columns of the last two are derivatives of the motion by the engine, and all
+    channels share their coefficients. They need states that are rates of others, of at most six
+    masses. Each family has random coefficients whose variance is found by restricted maximum
+    likelihood, beside the autoregression. One after the other enters as long as the ratio of
+    likelihoods has a probability below 0.01 without it. Its covariance is part of the sandwich, and
+    degrees of freedom of the variances, by Satterthwaite, make the quantile larger: few of them
+    tell the size of a wrong mass, and intervals are wide. Forces that would err by 30 % and more
+    count as none. What the parameters absorb of a wrong model leaves no trace in the residuals; no
+    single record shows it.
 
     References
     ----------
@@ -227,7 +234,12 @@ def fit(
     (2007): the profile. E. Carlstein, The use of subseries values for estimating the variance of a
     general statistic from a stationary sequence, Annals of Statistics 14, 1171-1179 (1986): the
     length of blocks. M. C. Kennedy and A. O'Hagan, Bayesian calibration of computer models,
-    Journal of the Royal Statistical Society B 63, 425-464 (2001): discrepancies of models.
+    Journal of the Royal Statistical Society B 63, 425-464 (2001): discrepancies of models. K.
+    Sargsyan, X. Huan and H. N. Najm, Embedded model error representation for Bayesian model
+    calibration, International Journal for Uncertainty Quantification 9, 365-394 (2019): errors in
+    the equations. S. F. Masri and T. K. Caughey, A nonparametric identification technique for
+    nonlinear dynamic problems, Journal of Applied Mechanics 46, 433-447 (1979): forces as
+    polynomials of position and velocity.
     H. D. Patterson and R. Thompson, Recovery of inter-block information when block sizes are
     unequal, Biometrika 58, 545-554 (1971): restricted maximum likelihood. F. E. Satterthwaite, An
     approximate distribution of estimates of variance components, Biometrics Bulletin 2, 110-114

@@ -108,6 +108,7 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     parts = [each.factor @ root.T for each in follows.found]
     for each in follows.found:
         inner += each.factor.T @ each.factor
+    inner += follows.far.T @ follows.far
     inner[untold], inner[:, untold] = 0.0, 0.0  # no residual says anything, however it varies
     inner[untold, untold] = 1.0
     covariance: Floats = root @ inner @ root.T

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import null_space
+from scipy.linalg import lstsq, null_space
 
 from nonsmooth.fitting.shooting import Evaluation, Shooting
 
-__all__ = ["free_jacobian", "gap_matrix", "spent_on"]
+__all__ = ["closed_derivatives", "free_jacobian", "gap_matrix", "spent_on"]
 
 Floats = npt.NDArray[np.float64]
+
+_NONE = 1e-13  # singular value of the gaps, as a part of the largest, that is none
 
 
 def gap_matrix(shooting: Shooting, found: Evaluation) -> Floats:
@@ -27,17 +29,38 @@ def gap_matrix(shooting: Shooting, found: Evaluation) -> Floats:
     return matrix
 
 
-def free_jacobian(shooting: Shooting, found: Evaluation) -> tuple[Floats, Floats]:
-    """Derivatives (N, f) of the data in directions that keep gaps closed, and these (size, f)."""
+def data_jacobian(shooting: Shooting, found: Evaluation) -> Floats:
+    """Derivatives (N, size) of the data by all unknowns."""
     rows = found.rows
     jacobian = np.zeros((rows.residual.size, shooting.size))
     jacobian[:, : shooting.h] = rows.head
     columns = shooting.h + rows.segment[:, None] * shooting.n + np.arange(shooting.n)
     np.put_along_axis(jacobian, columns, rows.state, axis=1)
+    return jacobian
+
+
+def free_jacobian(shooting: Shooting, found: Evaluation) -> tuple[Floats, Floats]:
+    """Derivatives (N, f) of the data in directions that keep gaps closed, and these (size, f)."""
     basis = np.eye(shooting.size)
     if shooting.n_gaps:
-        basis = null_space(gap_matrix(shooting, found), rcond=1e-13)
-    return jacobian @ basis, basis
+        basis = null_space(gap_matrix(shooting, found), rcond=_NONE)
+    return data_jacobian(shooting, found) @ basis, basis
+
+
+def closed_derivatives(
+    shooting: Shooting, found: Evaluation, chosen: npt.NDArray[np.int64]
+) -> Floats:
+    """Derivatives (N, m) of the data by some entries of the head, where the rest closes the gaps.
+
+    Which of many ways the rest does that is all the same: they differ by what a fit can change.
+    """
+    jacobian = data_jacobian(shooting, found)
+    if not shooting.n_gaps:
+        return jacobian[:, chosen]
+    gaps, rest = gap_matrix(shooting, found), np.setdiff1d(np.arange(shooting.size), chosen)
+    follow = lstsq(gaps[:, rest], -gaps[:, chosen], cond=_NONE)[0]
+    closed: Floats = jacobian[:, chosen] + jacobian[:, rest] @ follow
+    return closed
 
 
 def spent_on(shooting: Shooting, found: Evaluation) -> Floats:

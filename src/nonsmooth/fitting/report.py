@@ -12,7 +12,15 @@ import xarray as xr
 from nonsmooth.analysis.options import result_attributes
 from nonsmooth.fitting.channels import ObservedChannel
 from nonsmooth.fitting.correlated import NOT_WHITE
-from nonsmooth.fitting.discrepancy import MOTION, SENSOR, SOURCES, TIME_BASE, Discrepancy
+from nonsmooth.fitting.discrepancy import (
+    LINEAR,
+    MOTION,
+    NONLINEAR,
+    SENSOR,
+    SOURCES,
+    TIME_BASE,
+    Discrepancy,
+)
 from nonsmooth.fitting.intervals import (
     Better,
     Direction,
@@ -46,6 +54,10 @@ _WIDENED = "profile of the likelihood, widened for correlated residuals"
 _FOLLOWING = _WIDENED + " and for errors that follow the motion"
 _NEUTRAL = 1e-6  # above 1: a multiplier of 1, of a motion without damping, is known about so well
 _FEW = 20  # data of a channel: their standard deviation is known to a sixth only
+_FORCE_WORDS = {
+    LINEAR: "a mass, a stiffness, a damper or a dead load of the model were off",
+    NONLINEAR: "the model lacked a nonlinear force, such as that of a cubic spring",
+}
 _POOR = 2.0  # prediction error in units of the noise that is worth a word
 
 
@@ -332,15 +344,25 @@ def _directions(directions: list[Direction]) -> Variables:
 def _discrepancies(found: Sequence[Discrepancy], noise: Floats) -> Variables:
     """Sizes of the errors that follow the motion."""
     sizes, times = np.zeros((noise.size, len(SOURCES))), np.full(noise.size, np.nan)
+    forces = np.full(len(SOURCES), np.nan)
     for each in found:
-        sizes[each.channel, SOURCES.index(each.source)] = each.size * noise[each.channel]
-        if each.source == TIME_BASE:
-            times[each.channel] = each.time
-    size = {"long_name": "root mean square of the errors that follow the motion"}
-    time = {"long_name": "standard deviation of the times of the samples"}
+        place = SOURCES.index(each.source)
+        for c, size in each.sizes.items():
+            sizes[c, place] = size * noise[c]
+            if each.source == TIME_BASE:
+                times[c] = each.unit
+        if each.source in _FORCE_WORDS:
+            forces[place] = each.unit
+    words = (
+        "root mean square of the errors that follow the motion",
+        "standard deviation of the times of the samples",
+        "root mean square of the errors of the forces, as a part of the accelerations",
+    )
+    about = [{"long_name": each} for each in words]
     return {
-        "discrepancy": (("channel", "source"), sizes, size),
-        "time_error": ("channel", times, time),
+        "discrepancy": (("channel", "source"), sizes, about[0]),
+        "time_error": ("channel", times, about[1]),
+        "force_error": ("source", forces, about[2]),
     }
 
 
@@ -373,8 +395,20 @@ def _source_words(channel: str, found: Sequence[Discrepancy], *, late: bool) -> 
     return [
         words.get(each.source)
         or f"residuals of {channel} are as if the times of its samples were off by about"
-        f" {each.time:.2g}, anew in each period; intervals include it{constant}"
+        f" {each.unit:.2g}, anew in each period; intervals include it{constant}"
         for each in found
+        if each.source not in _FORCE_WORDS
+    ]
+
+
+def _force_words(found: Sequence[Discrepancy]) -> list[str]:
+    """What errors of the forces speak of."""
+    return [
+        f"residuals are as if {_FORCE_WORDS[each.source]}, by about {100.0 * each.unit:.2g} % of"
+        " all forces; intervals include it as a random error, and no interval covers a model that"
+        " is wrong in any way"
+        for each in found
+        if each.source in _FORCE_WORDS
     ]
 
 
@@ -428,7 +462,7 @@ def _message(
             " standard error, see profile_followed"
         )
     for c, channel in enumerate(channels):
-        own = [each for each in discrepancies if each.channel == c]
+        own = [each for each in discrepancies if c in each.sizes]
         if variables["whiteness"][1][c] < NOT_WHITE:
             causes = (
                 ", by coloured noise or a model that is wrong: intervals are widened for the first,"
@@ -438,4 +472,5 @@ def _message(
         parts += _source_words(channel, own, late=late[c])
         if variables["prediction_error"][1][c] > _POOR:
             parts.append(f"what was held back of {channel} is predicted poorly")
+    parts += _force_words(discrepancies)
     return "; ".join(parts)

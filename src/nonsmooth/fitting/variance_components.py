@@ -6,8 +6,8 @@ along its own derivatives, the tangents, is taken out of the columns too: the li
 what no unknown of the fit could have changed. So a family of which the fit has absorbed most is
 judged by the rest.
 
-A variance that is not needed is zero. The families are those of a backward elimination: one after
-the other leaves without which the likelihood hardly falls.
+A variance that is not needed is zero. The families are those of a stepwise selection: one after
+the other enters with which the likelihood rises most.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ class Components(NamedTuple):
     variances: Floats  # of their coefficients, in squares of the unit of the residuals
     freedom: Floats  # degrees of freedom with which each variance is known
     coefficients: Floats  # (m,) most likely ones; zero in families that were left out
+    noise: float  # variance of the white noise
     n_spent: float  # how many coefficients the residuals have determined
 
 
@@ -73,24 +74,38 @@ def variance_components(
     likelihood = _Likelihood(left.T @ left, left.T @ rest, float(rest @ rest), number, family)
     own = np.bincount(family, (whole**2).sum(axis=0), len(columns))
     told = likelihood.trace > _ABSORBED * np.maximum(own, 1e-300)
-    kept = _eliminated(likelihood, np.flatnonzero(told).tolist(), level)
+    kept = _stepwise(likelihood, np.flatnonzero(told).tolist(), level)
     return likelihood.components(kept) if kept.families else None
 
 
-def _eliminated(likelihood: _Likelihood, families: list[int], level: float) -> _Subset:
-    """The families that are left when those that are hardly missed have gone."""
+def _stepwise(likelihood: _Likelihood, families: list[int], level: float) -> _Subset:
+    """Families that are entered one after the other, as long as the likelihood rises by enough.
+
+    One that another one makes needless leaves again. Few families come first: those of a record
+    are soon so many that together they explain whatever repeats.
+    """
     # a variance has a bound at zero: half of the ratios of likelihoods are zero without it
-    threshold = float(chi2.isf(2.0 * level, 1))
-    found = likelihood.best(families)
-    while found.families:
-        without = [
-            likelihood.best([other for other in found.families if other != each])
-            for each in found.families
+    least = 0.5 * float(chi2.isf(2.0 * level, 1))
+    found = likelihood.best([])
+    while len(found.families) < len(families):
+        more = [
+            likelihood.best(sorted([*found.families, each]))
+            for each in families
+            if each not in found.families
         ]
-        least = min(without, key=lambda each: each.height)
-        if 2.0 * (least.height - found.height) >= threshold:
+        best = min(more, key=lambda each: each.height)
+        if found.height - best.height < least:
             break
-        found = least
+        found = best
+        while len(found.families) > 1:
+            fewer = [
+                likelihood.best([other for other in found.families if other != each])
+                for each in found.families
+            ]
+            best = min(fewer, key=lambda each: each.height)
+            if best.height - found.height >= least:
+                break
+            found = best
     return found
 
 
@@ -145,7 +160,9 @@ class _Likelihood:
         coefficients[own] = weight * likely
         variances = noise * np.exp(found.logs) / self._mean[found.families]
         spent = own.size - float(np.trace(np.linalg.inv(matrix)))
-        return Components(found.families, variances, self._freedom(found), coefficients, spent)
+        return Components(
+            found.families, variances, self._freedom(found), coefficients, float(noise), spent
+        )
 
     def _freedom(self, found: _Subset) -> Floats:
         """Degrees of freedom, by Satterthwaite: two over the variance of a logarithm."""
