@@ -624,3 +624,30 @@ def test_whole_periods_hold_over_all_of_a_map():
     with pytest.raises(OptionError, match=r"2\*pi/omega = 6\.98"):
         ns.regime_map(system, over, period=2 * np.pi / 0.8, **few)
     assert ns.regime_map(system, over, period="4*pi/omega", **few).sizes["omega"] == 2
+
+
+@pytest.mark.parametrize("omega", [1.7, 1.9])
+def test_a_slow_decay_beside_a_stop_is_no_torus(omega):
+    """A light oscillator that meets a spring: areas shrink by exp(-c T) in each period.
+
+    That is the product of the multipliers of the motion that it settles to. Two windows of a hundred
+    periods on the way there look like a torus.
+    """
+    damping = 2e-4
+    system = ns.System(
+        states=["x", "v"],
+        parameters={"w": omega, "c": damping},
+        period="2*pi/w",
+        modes={
+            "flow": ns.Mode(
+                {"x": "v", "v": "-x - c*v - 0.5*max(x - 0.5, 0) + 0.8*cos(w*t)"},
+            )
+        },
+    )
+    early = ns.regime(system)
+    assert str(early["regime"].values) == "unsettled"
+    assert "quasi-periodic at first" in early.attrs["message"]
+    late = ns.regime(system, transient=60_000)
+    assert str(late["regime"].values) == "periodic"
+    product = float(late["multiplier_modulus"].prod())
+    assert product == pytest.approx(np.exp(-damping * 2.0 * np.pi / omega), rel=1e-9)

@@ -71,8 +71,8 @@ def regime(
         Largest transient: it is doubled until there, at least, while the motion has not settled;
         16 times the transient (or the record, if that is longer) without it.
     confirm : int, optional
-        Periods for which a chaotic motion is run on, as chaos may be a long transient; 0 to trust
-        the windows.
+        Periods for which a chaotic motion is run on, as chaos may be a long transient, and a
+        quasi-periodic one that is driven, as it may settle slowly; 0 to trust the windows.
     phase : float, optional
         Part of the period at which strobes are taken, from 0 to less than 1.
     period : float or str, optional
@@ -159,8 +159,9 @@ def regime(
         repeat, as those of motions that settle slowly do. Where neighbours part linearly, the
         exponent may fall by a quarter from window to window instead. Where strobes see the forcing
         at different phases, as with two frequencies, it may also be below zero.
-        Where nothing drives the system, no state leaves the range of the window before, and the
-        states do not all shrink as below. The message tells the exponents of both windows.
+        A motion that is driven is run on for ``confirm`` periods, as one that is chaotic, for two
+        windows do not tell a slow decay from none. Where nothing drives the system, no state leaves
+        the range of the window before, and the states do not all shrink as below. The message tells the exponents of both windows.
     ``limit-cycle``
         Nothing drives the system, strobes do not repeat as the motion has a period of its own, and
         neighbours approach it: the exponent across it is below zero, or no perturbation across it

@@ -27,7 +27,7 @@ class RegimeProtocol:
     record: int
     evidence: int
     longest: int
-    confirm: int  # strobes for which a chaotic motion is run on
+    confirm: int  # strobes for which a motion without an end is run on
     phase: float
     match: float
 

@@ -51,12 +51,13 @@ def settled_regimes(protocol: RegimeProtocol, group: Group, recorded: Recorded) 
     """Regime of each motion of a group, whose first windows were recorded.
 
     The transient is doubled until one window of strobes gives the label that the window before has
-    given. Chaos may be one more transient, so chaotic motions are run on, and looked at again. What
-    is next is done for all motions together that need it. Where the work is stopped, verdicts that
+    given. Chaos may be one more transient, and a driven motion that seems quasi-periodic may settle
+    more slowly than two windows tell, so both are run on, and looked at again. What is next is done for all motions together that need it. Where the work is stopped, verdicts that
     stand are handed out.
     """
     motions = _Motions(protocol, group)
-    going, chaotic = group.usable.copy(), np.zeros(group.count, bool)
+    going, lasting = group.usable.copy(), np.zeros(group.count, bool)
+    endless = {labels.CHAOTIC} if motions.autonomous else {labels.CHAOTIC, labels.QUASI_PERIODIC}
     first = np.full(group.count, protocol.transient)
     found: Recorded | None = recorded
     try:
@@ -66,13 +67,13 @@ def settled_regimes(protocol: RegimeProtocol, group: Group, recorded: Recorded) 
             found = None
             following = np.maximum(following, motions.reached)
             has = np.array([verdict.label for verdict in motions.verdicts])
-            chaotic |= going & (has == labels.CHAOTIC)
+            lasting |= going & np.isin(has, list(endless))
             going &= (has == labels.UNSETTLED) & (following <= protocol.longest)
             first = following
-        if protocol.confirm and np.any(chaotic):
-            motions.run_on(chaotic)
+        if protocol.confirm and np.any(lasting):
+            motions.run_on(lasting)
     except Stopped:
-        open_yet = going | (chaotic if protocol.confirm else False)
+        open_yet = going | (lasting if protocol.confirm else False)
         verdicts = zip(motions.verdicts, open_yet.tolist(), strict=True)
         raise Stopped([None if is_open else verdict for verdict, is_open in verdicts]) from None
     last = motions.verdicts[-1].last
@@ -135,26 +136,27 @@ class _Motions:
         self._not_repeating(windows, seen, same & (now == 0) & ~closing)
 
     def run_on(self, chosen: Bools) -> None:
-        """Verdicts on chaotic motions that are followed further: they may settle, or end.
+        """Verdicts on motions without an end that are followed further: they may settle, or end.
 
-        One that is looked at on its way from the chaos to what it settles to is looked at again.
+        One that is looked at on its way from there to what it settles to is looked at again.
         """
         before, since = list(self.verdicts), self.evidence[:, 0].copy()
         going, further = chosen.copy(), self.protocol.confirm
         for _ in range(1 + _MORE_LOOKS):
             self.look(going, self.reached + further, going, None)
             for i in np.flatnonzero(going).tolist():
-                now = self.verdicts[i]
-                if now.label == labels.CHAOTIC:
+                now, first = self.verdicts[i], before[i]
+                if now.label == first.label:
+                    seen = int(self.evidence[i, 1] - since[i])
                     self.verdicts[i] = replace(
-                        before[i],
-                        chaotic_for=int(self.evidence[i, 1] - since[i]),
+                        first,
+                        chaotic_for=seen if now.label == labels.CHAOTIC else 0,
                         last=now.last,
                         uncertain=now.uncertain,
                         estimated=now.estimated,
                     )
                 elif not now.is_settled:
-                    self.verdicts[i] = now.unsettled(f"chaotic at first; later {now.reason}")
+                    self.verdicts[i] = now.unsettled(f"{first.label} at first; later {now.reason}")
                 going[i] = not now.is_settled
             further = max(self.protocol.transient, self.protocol.record)
             if not np.any(going):
