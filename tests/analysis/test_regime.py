@@ -630,8 +630,8 @@ def test_whole_periods_hold_over_all_of_a_map():
 def test_a_slow_decay_beside_a_stop_is_no_torus(omega):
     """A light oscillator that meets a spring: areas shrink by exp(-c T) in each period.
 
-    That is the product of the multipliers of the motion that it settles to. Two windows of a hundred
-    periods on the way there look like a torus.
+    That is the product of the multipliers of the motion that it settles to. Two windows of a
+    hundred periods on the way there look like a torus.
     """
     damping = 2e-4
     system = ns.System(

@@ -161,7 +161,8 @@ def regime(
         at different phases, as with two frequencies, it may also be below zero.
         A motion that is driven is run on for ``confirm`` periods, as one that is chaotic, for two
         windows do not tell a slow decay from none. Where nothing drives the system, no state leaves
-        the range of the window before, and the states do not all shrink as below. The message tells the exponents of both windows.
+        the range of the window before, and the states do not all shrink as below. The message tells
+        the exponents of both windows.
     ``limit-cycle``
         Nothing drives the system, strobes do not repeat as the motion has a period of its own, and
         neighbours approach it: the exponent across it is below zero, or no perturbation across it

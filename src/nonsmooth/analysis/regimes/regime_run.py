@@ -52,8 +52,9 @@ def settled_regimes(protocol: RegimeProtocol, group: Group, recorded: Recorded) 
 
     The transient is doubled until one window of strobes gives the label that the window before has
     given. Chaos may be one more transient, and a driven motion that seems quasi-periodic may settle
-    more slowly than two windows tell, so both are run on, and looked at again. What is next is done for all motions together that need it. Where the work is stopped, verdicts that
-    stand are handed out.
+    more slowly than two windows tell, so both are run on, and looked at again. What is next is done
+    for all motions together that need it. Where the work is stopped, verdicts that stand are handed
+    out.
     """
     motions = _Motions(protocol, group)
     going, lasting = group.usable.copy(), np.zeros(group.count, bool)
