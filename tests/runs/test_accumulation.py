@@ -133,3 +133,17 @@ def test_what_comes_before_rebounds_are_over(before):
     # flights before the clock: each one half as long as that before it
     flights = int(np.floor(np.log2(2.0 * np.sqrt(2.0) / before)))
     assert int(run["event_count"].values[1:-1].sum()) >= flights
+
+
+def test_a_reset_without_its_sign_is_told():
+    """Each of the resets at one instant leaves a part r of the speed, until rounding is left."""
+
+    def system(reset):
+        wall = Exit("1 - x", reset={"v": reset}, name="impact", sticks="rest")
+        return System(states=["x", "v"], modes={"free": Mode({"x": "v", "v": "1"}, exits=[wall])})
+
+    with pytest.warns(RunWarning, match="the exit 'impact' fired .* times .* is a sign missing"):
+        run = ns.simulate(system("0.5*v"), {"x": 0.0, "v": 2.0}, t_end=1.0)
+    assert "is a sign missing" in run.attrs["message"]
+    run = ns.simulate(system("-0.5*v"), {"x": 0.0, "v": 2.0}, t_end=10.0)
+    assert run.attrs["message"] == "completed"

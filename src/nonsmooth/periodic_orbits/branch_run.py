@@ -48,7 +48,7 @@ _AGAIN = 1e-6  # arclength from the start of a stretch within which its own chan
 _NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
 _HALVING = "the turn passes twice through the orbit that doubles its period here"
 _SHORTER = (
-    "orbits beyond it are those of a shorter period, passed twice; their branch is that of"
+    "orbits beyond it are those of a shorter period, passed more than once; their branch is that of"
     " find_orbit with a smaller period="
 )
 _AT_HALVING = ("branch_point", "fold")  # a doubled branch turns back where it has come back
@@ -191,7 +191,7 @@ class _StretchWalk:
             self.ended = Followed("fault", _fault_at(self.stretch, point, fault))
             return
         if self.following is not None and self._becomes_shorter(self.following):
-            detail = self.following.detail or "the orbit becomes a shorter one passed twice"
+            detail = self.following.detail or "a shorter orbit, passed several times"
             part = part or self._part(looked, point, kind_of(name), detail)
             self.following = None
             self.ended = Followed("halving", f"the branch ends ({kind_of(name)}): {_SHORTER}")

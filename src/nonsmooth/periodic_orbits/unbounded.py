@@ -23,7 +23,8 @@ _NEARER = 0.9  # of its way in the first part is that in the second one, at most
 _LONGER, _LARGER = 1.01, 2.0  # factors by which period and amplitude grow over both, at least
 _GOES_ON = 0.5  # of the growth in the first part is that in the second one, at least
 _FAR = 1e6  # times the amplitude of the first orbit
-_ENDS = ("steps", "smallest_step", "singular")  # of branches that may come to no other end
+# of branches that may come to no other end: steps that become too short for what they look for
+_ENDS = ("steps", "smallest_step", "singular", "word_change")
 
 
 class LastOrbits:

@@ -26,7 +26,7 @@ from nonsmooth.engine.lanes import (
 )
 from nonsmooth.engine.record import Rows, columns
 from nonsmooth.engine.status import CURES, Certificate, EventKind, Status
-from nonsmooth.engine.tables import PATH_LENGTH, TAYLOR, Tables
+from nonsmooth.engine.tables import PATH_LENGTH, TAYLOR, Tables, exits_of_path
 from nonsmooth.runs.labels import Columns, Labels, assemble, labels_of, with_doubts
 from nonsmooth.runs.outputs import output_values, sample_clock
 from nonsmooth.runs.runner import Outcome
@@ -34,7 +34,7 @@ from nonsmooth.runs.words import last_period_word
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 
-__all__ = ["run_dataset", "time_of_lost_derivatives"]
+__all__ = ["repeated_exit", "run_dataset", "time_of_lost_derivatives"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -171,7 +171,9 @@ def _message(labels: Labels, outcome: Outcome) -> str:
     if status == Status.COMPLETED:
         text = with_doubts(status.word, outcome.n_uncertain, outcome.n_estimated)
         flagged = outcome.n_uncertain and outcome.keeps_events
-        return text + (", see certified over event" if flagged else "")
+        text += ", see certified over event" if flagged else ""
+        repeated = repeated_exit(labels, outcome)
+        return f"{text}; {repeated}" if repeated else text
     text = f"{status.word} at t = {outcome.end_time:.9g}: {CURES[status]}"
     if status == Status.REFUSED and outcome.history is not None:
         text += f" ({outcome.history.fault})"
@@ -181,6 +183,26 @@ def _message(labels: Labels, outcome: Outcome) -> str:
         passed = labels.path(*(int(last[name]) for name in ("from_mode", "path", "passes")))
         text += f" (exits passed: {passed}, from {before!r} to {after!r})"
     return text
+
+
+def repeated_exit(labels: Labels, outcome: Outcome) -> str:
+    """What to say of an exit that has fired again and again at one instant, "" where none has.
+
+    A reset that leaves the speed its sign only makes it smaller, until nothing is left of it.
+    """
+    rows = outcome.events
+    for k in np.flatnonzero(rows["passes"] > PATH_LENGTH).tolist():
+        row = rows[k]
+        ways = exits_of_path(int(row["path"]), int(row["passes"]))
+        if len(set(ways)) == 1:
+            name = labels.paths[int(row["from_mode"]) * labels.width + ways[0]]
+            time = float(outcome.times(row["number"], row["phase"]))
+            return (
+                f"the exit {name!r} fired {int(row['passes'])} times at one instant, at t ="
+                f" {time:.9g}: its reset takes speed away and does not turn it round; is a sign"
+                f" missing, as in -r*v?"
+            )
+    return ""
 
 
 def time_of_lost_derivatives(run: xr.Dataset) -> float | None:

@@ -14,9 +14,10 @@ import xarray as xr
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import RunWarning
 from nonsmooth.runs.clock import plan_run
-from nonsmooth.runs.dataset import run_dataset, time_of_lost_derivatives
+from nonsmooth.runs.dataset import repeated_exit, run_dataset, time_of_lost_derivatives
 from nonsmooth.runs.event_log import LentRoom, lent_room
 from nonsmooth.runs.first_mode import in_first_mode
+from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.options import (
     check_flag,
     check_run_options,
@@ -204,6 +205,8 @@ def simulate(
         result = run_dataset(system, outcome, options)
     if outcome.status not in (Status.COMPLETED, Status.STOPPED):
         warnings.warn(f"{system.name}: {result.attrs['message']}", RunWarning, stacklevel=2)
+    elif repeated := repeated_exit(labels_of(system), outcome):
+        warnings.warn(f"{system.name}: {repeated}", RunWarning, stacklevel=2)
     lost = time_of_lost_derivatives(result)
     if lost is not None:
         warnings.warn(
