@@ -2,13 +2,24 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh
 from scipy.sparse import csc_array
 
 import nonsmooth as ns
-from nonsmooth.structures import Beam, Bearing, Force, GapSpring, Stop, machine, reduce, shaft
+from nonsmooth.structures import (
+    Beam,
+    Bearing,
+    Force,
+    GapSpring,
+    Stop,
+    Unbalance,
+    machine,
+    reduce,
+    shaft,
+)
 from nonsmooth.structures.receptance_error import RESOLUTION
-from nonsmooth.structures.speed_texts import coefficient_pieces, piecewise_text
+from nonsmooth.structures.speed_texts import coefficient_pieces, piecewise_definitions
 from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.grammar import parse
 from structures.contact_truth import beam, chain
@@ -157,6 +168,10 @@ def test_start_and_recover():
         whole.start(system, np.zeros(3))
 
 
+ROWS = np.linspace(0.0, 7.0, 300)
+ROUGH = 5.0 + np.random.default_rng(3).random((300, 2, 2))
+
+
 @pytest.mark.parametrize(
     "bearing",
     [
@@ -164,6 +179,9 @@ def test_start_and_recover():
         Bearing("a", [1.0, 5.0], speeds=[0.0, 7.0]),
         Bearing("a", [9.0, 1.0, 0.5, 0.4], speeds=[0, 1, 2, 7], interpolation="monotone"),
         Bearing(["a", "b"], lambda s: np.array([[np.exp(s), 1], [s**2, 5 / (1 + s**2)]]), np.cos),
+        Bearing(["a", "b"], ROUGH, 3.0, speeds=ROWS),  # has texts too long for one definition
+        Bearing("a", ROUGH[:, 0, 0], speeds=ROWS, interpolation="monotone"),
+        Bearing("a", CubicSpline(ROWS, ROUGH[:, 0, 0]), speeds=ROWS),  # as tables of ROSS are
     ],
 )
 def test_texts_of_coefficients_are_the_coefficients(bearing):
@@ -172,14 +190,38 @@ def test_texts_of_coefficients_are_the_coefficients(bearing):
     speeds = np.linspace(0.0, 7.0, 41)
     truth = np.array([bearing.at_speed(speed) for speed in speeds.tolist()])
     size = np.abs(truth).max(axis=0)
-    for speed, right in zip(speeds, truth, strict=True):
-        for which in range(2):
-            for i in range(k):
-                for j in range(k):
-                    text = piecewise_text("Omega", pieces, (which, i, j))
-                    value = constant_value(parse(text, where="text"), {"Omega": float(speed)})
-                    # polynomials are right to 1e-10 where they were looked at
-                    assert abs(value - right[which, i, j]) <= 2e-10 * size[which, i, j]
+    for which, i, j in np.ndindex(2, k, k):
+        definitions = piecewise_definitions("c", "Omega", pieces, (which, i, j))
+        assert list(definitions)[-1] == "c"
+        parsed = {name: parse(text, where=name) for name, text in definitions.items()}
+        for speed, right in zip(speeds.tolist(), truth, strict=True):
+            values = {"Omega": speed}
+            for name, expression in parsed.items():
+                values[name] = constant_value(expression, values)
+            # polynomials are right to 1e-10 where they were looked at
+            assert abs(values["c"] - right[which, i, j]) <= 2e-10 * size[which, i, j]
+
+
+def test_a_machine_with_long_tables_has_their_response():
+    """Against the matrices of the full shaft, at speeds between the rows."""
+    speeds = np.linspace(0.0, 700.0, 300)
+    along = 8e6 + 2.9e4 * speeds + 5e5 * np.sin(speeds / 20)
+    tables = {"stiffness": along, "damping": 1.2e4 / (1 + speeds / 350), "speeds": speeds}
+    rotor = shaft(
+        [Beam(0.1, 0.05)] * 8,
+        bearings=[Bearing([f"{node}x", f"{node}y"], **tables) for node in (0, 8)],
+    )
+    small = reduce(rotor, ["4x", "4y"], modes=rotor.size)
+    system = machine(small, [], [Unbalance("4x", "4y", 1e-3)], Omega=150.0)
+    for speed in (33.3, 151.7, 640.1):
+        mass, damping, stiffness = rotor.at_speed(speed)
+        force = np.zeros(rotor.size, complex)
+        force[[rotor.index("4x"), rotor.index("4y")]] = 1e-3 * speed**2 * np.array([1, -1j])
+        answer = np.linalg.solve(stiffness + 1j * speed * damping - speed**2 * mass, force)
+        found = ns.find_orbit(system.with_parameters(Omega=speed))
+        run = ns.simulate(system.with_parameters(Omega=speed), found, periods=1)
+        wanted = answer[rotor.index("4x")]
+        assert abs(float(run["x4"][0]) - wanted.real) < 1e-8 * abs(wanted)
 
 
 def test_coefficients_that_jump_are_refused():

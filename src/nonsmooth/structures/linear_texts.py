@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.structures.bearing import Bearing
 from nonsmooth.structures.contributions import Attachment, Contribution
-from nonsmooth.structures.speed_texts import coefficient_pieces, piecewise_text, varies
+from nonsmooth.structures.speed_texts import coefficient_pieces, piecewise_definitions, varies
 from nonsmooth.structures.state_names import state_name, velocity_name, weighted_sum
 
 __all__ = ["LinearPart", "bearing_part", "joined", "linear_part"]
@@ -88,7 +88,7 @@ def bearing_part(
                 name = f"{called}_{letter}_{at}"
                 value = float(pieces[0].coefficients[-1, which, i, j])
                 if varies(pieces, (which, i, j)):
-                    made.definitions[name] = piecewise_text("Omega", pieces, (which, i, j))
+                    made.definitions |= piecewise_definitions(name, "Omega", pieces, (which, i, j))
                 elif value != 0.0:
                     made.parameters[name] = value
                     made.describe[name] = f"{word} of {called} at {at.replace('_', ' by ')}"

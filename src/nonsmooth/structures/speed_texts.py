@@ -12,12 +12,14 @@ import numpy.typing as npt
 from nonsmooth.errors import ModelError
 from nonsmooth.structures.bearing import Bearing, through_table
 
-__all__ = ["SpeedPiece", "coefficient_pieces", "piecewise_text", "varies"]
+__all__ = ["SpeedPiece", "coefficient_pieces", "piecewise_definitions", "varies"]
 
 Floats = npt.NDArray[np.float64]
 _ACCURACY = 1e-10  # of polynomials through a function, relative to the largest coefficient
 _DEGREE = 12
+_NEGLIGIBLE = 1e-13  # coefficients that rounding alone has left
 _NARROWEST = 2e-3  # of the range of speeds: a piece that is halved no more
+_LONG = 2000  # characters of a half that has a definition of its own: texts have a greatest length
 
 
 class SpeedPiece(NamedTuple):
@@ -46,8 +48,9 @@ def coefficient_pieces(
 
     if callable(bearing.stiffness) or callable(bearing.damping):
         begin, end = _range(bearing, speed_range)
-        least = _NARROWEST * (end - begin)
-        return list(_through(both, begin, end, least, np.abs(both(0.5 * (begin + end)))))
+        rows = [] if bearing.speeds is None else bearing.speeds.tolist()
+        law = _Law(both, rows, _NARROWEST * (end - begin))
+        return list(law.pieces(begin, end, np.abs(both(0.5 * (begin + end)))))
     # the polynomials of the bearing itself, for it makes them in the same way
     assert bearing.speeds is not None
     table = np.array([both(speed) for speed in bearing.speeds.tolist()])
@@ -70,46 +73,75 @@ def _range(bearing: Bearing, given: tuple[float, float] | None) -> tuple[float, 
     return limits
 
 
-def _through(
-    function: Callable[[float], Floats], begin: float, end: float, least: float, size: Floats
-) -> Sequence[SpeedPiece]:
-    """Polynomials through a function, halved until they are right between their points."""
-    from numpy.polynomial import chebyshev
+class _Law(NamedTuple):
+    """A function of the speed, and where its derivatives may jump."""
 
-    centre, scale = 0.5 * (begin + end), 0.5 * (end - begin)
-    at = chebyshev.chebpts1(_DEGREE + 1)
-    values = np.array([function(centre + scale * s) for s in at.tolist()])
-    found = chebyshev.chebfit(at, values.reshape(len(at), -1), _DEGREE)
-    between = np.cos(np.arange(_DEGREE + 2) * np.pi / (_DEGREE + 1))
-    right = np.array([function(centre + scale * s) for s in between.tolist()])
-    fault = np.abs(chebyshev.chebval(between, found).T.reshape(right.shape) - right).max(axis=0)
-    size = np.maximum(size, np.abs(right).max(axis=0))
-    if (fault <= _ACCURACY * size).all():
-        powers = np.zeros_like(found)
-        for i, column in enumerate(found.T):  # which loses zeros at its end
-            each = chebyshev.cheb2poly(column)
-            powers[: len(each), i] = each
-        powers = powers[::-1]
-        return [SpeedPiece(begin, end, centre, scale, powers.reshape(-1, *right.shape[1:]))]
-    if end - begin < least:
-        raise ModelError(
-            f"bearings: a coefficient is no smooth function of the speed: near {centre:g} rad/s no"
-            " polynomial comes close to it; give a table with speeds="
-        )
-    return [
-        *_through(function, begin, centre, least, size),
-        *_through(function, centre, end, least, size),
-    ]
+    function: Callable[[float], Floats]
+    rows: Sequence[float]
+    """Speeds of the table that the function goes along, if there is one."""
+    narrowest: float
+
+    def pieces(self, begin: float, end: float, size: Floats) -> Sequence[SpeedPiece]:
+        """Polynomials through the function, parted until they are right between their points."""
+        from numpy.polynomial import chebyshev
+
+        centre, scale = 0.5 * (begin + end), 0.5 * (end - begin)
+        at = chebyshev.chebpts1(_DEGREE + 1)
+        values = np.array([self.function(centre + scale * s) for s in at.tolist()])
+        found = chebyshev.chebfit(at, values.reshape(len(at), -1), _DEGREE)
+        between = np.cos(np.arange(_DEGREE + 2) * np.pi / (_DEGREE + 1))
+        right = np.array([self.function(centre + scale * s) for s in between.tolist()])
+        fault = np.abs(chebyshev.chebval(between, found).T.reshape(right.shape) - right)
+        size = np.maximum(size, np.abs(right).max(axis=0))
+        if (fault.max(axis=0) <= _ACCURACY * size).all():
+            powers = np.zeros_like(found)
+            for i, (column, most) in enumerate(zip(found.T, size.ravel(), strict=True)):
+                each = chebyshev.cheb2poly(chebyshev.chebtrim(column, _NEGLIGIBLE * most))
+                powers[: len(each), i] = each
+            coefficients = powers[::-1].reshape(-1, *right.shape[1:])
+            return [SpeedPiece(begin, end, centre, scale, coefficients)]
+        inside = [row for row in self.rows if begin < row < end]
+        if end - begin < self.narrowest and not inside:
+            raise ModelError(
+                f"bearings: a coefficient is no smooth function of the speed: near {centre:g} rad/s"
+                " no polynomial comes close to it; give a table with speeds="
+            )
+        # the bends of a spline are at rows of its table
+        middle = min(inside, key=lambda row: abs(row - centre), default=centre)
+        return [*self.pieces(begin, middle, size), *self.pieces(middle, end, size)]
 
 
-def piecewise_text(name: str, pieces: Sequence[SpeedPiece], at: tuple[int, int, int]) -> str:
-    """Text of one coefficient as a function of a parameter."""
-    if len(pieces) > 1:
-        middle = len(pieces) // 2  # halves, so that the text is nested no deeper than it must be
-        below = piecewise_text(name, pieces[:middle], at)
-        above = piecewise_text(name, pieces[middle:], at)
-        return f"where({name} < {pieces[middle].begin!r}, {below}, {above})"
-    (piece,) = pieces
+def piecewise_definitions(
+    name: str, along: str, pieces: Sequence[SpeedPiece], at: tuple[int, int, int]
+) -> dict[str, str]:
+    """One coefficient as a function of a parameter ``along``.
+
+    It is the definition ``name``, the last one; parts of a long text have definitions of their own
+    before it.
+    """
+    made: dict[str, str] = {}
+
+    def text(some: Sequence[SpeedPiece]) -> str:
+        if len(some) == 1:
+            return _polynomial(along, some[0], at)
+        middle = len(some) // 2  # halves, so that the text is nested no deeper than it must be
+        limit = some[middle].begin
+        return f"where({along} < {limit!r}, {short(some[:middle])}, {short(some[middle:])})"
+
+    def short(some: Sequence[SpeedPiece]) -> str:
+        found = text(some)
+        if len(found) <= _LONG:
+            return found
+        called = f"{name}_part{len(made) + 1}"
+        made[called] = found
+        return called
+
+    whole = text(pieces)
+    return {**made, name: whole}
+
+
+def _polynomial(name: str, piece: SpeedPiece, at: tuple[int, int, int]) -> str:
+    """Text of one coefficient in one piece, by Horner's rule."""
     values = [float(each) for each in piece.coefficients[(slice(None), *at)]]
     while len(values) > 1 and values[0] == 0.0:
         del values[0]
