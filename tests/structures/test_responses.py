@@ -138,6 +138,26 @@ def test_receptance_mobility_and_accelerance_differ_by_the_frequency():
     np.testing.assert_allclose(found, [exact, 1j * w * exact, -(w**2) * exact], rtol=1e-14)
 
 
+def test_a_synchronous_response_turns_the_shaft_at_each_frequency():
+    """A disc that tilts, in closed form: I_p and I_t give forward whirl a stiffness of its own."""
+    k, inertia, polar, c = 900.0, 2.0, 1.5, 3.0
+    disc = ns.Structure(
+        inertia * np.eye(2), k * np.eye(2), damping=c * np.eye(2),
+        gyroscopic=[[0.0, polar], [-polar, 0.0]], coordinates=["1rx", "1ry"],
+    )  # fmt: skip
+    w = np.array([5.0, 17.0, 40.0])
+    found = frequency_response(disc, w, speed="synchronous")
+    assert found.attrs["speed"] == "synchronous"
+    # of the moments (1, -i): circles in the sense of the shaft
+    circle = (found["response"].values @ np.array([1.0, -1j]))[:, 0]
+    exact = 1.0 / (k - (inertia - polar) * w**2 + 1j * c * w)
+    np.testing.assert_allclose(circle, exact, rtol=1e-13)
+    each = [frequency_response(disc, [f], speed=f)["response"].values[0] for f in w]
+    np.testing.assert_allclose(found["response"].values, each, rtol=1e-14)
+    with pytest.raises(ns.OptionError, match=r"^speed = 'turning'"):
+        frequency_response(disc, w, speed="turning")
+
+
 def test_a_response_without_bound_is_refused():
     with pytest.raises(ns.ModelError, match="at 2 rad/s the response is infinite"):
         frequency_response(ns.Structure([[1.0]], [[4.0]]), [2.0])

@@ -9,6 +9,7 @@ import doctest
 import io
 import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +20,10 @@ from nonsmooth.structures import (
     Beam,
     Disc,
     campbell,
+    frequency_response,
     natural_modes,
     shaft,
+    static_deflection,
     unbalance_response,
 )
 
@@ -179,6 +182,37 @@ def test_unbalance_responses(n):
     theirs = theirs[lateral(machine, structure)].T
     error = np.abs(ours - theirs).max(axis=1) / np.abs(theirs).max(axis=1)
     assert error.max() < 1e-8
+
+
+def test_frequency_responses_with_a_shaft_that_turns_at_each_frequency():
+    machine = rotor(4)
+    structure = ns.Structure.from_ross(machine)
+    frequencies = np.linspace(50.0, 1200.0, 6)
+    theirs = machine.run_freq_response(speed_range=frequencies).freq_resp
+    keep = lateral(machine, structure)
+    ours = frequency_response(structure, frequencies, speed="synchronous")["response"].values
+    theirs = np.moveaxis(theirs[np.ix_(keep, keep)], -1, 0)
+    error = np.abs(ours - theirs).max(axis=(1, 2)) / np.abs(theirs).max(axis=(1, 2))
+    assert error.max() < 1e-8
+
+
+def test_static_deflections_on_bearings_as_stiff_as_those_of_ross():
+    """ROSS holds bearings rigid in `run_static`: so do ours as their stiffness grows."""
+    machine = rotor(4)
+    deflection = np.asarray(machine.run_static().deformation).ravel()
+    structure = ns.Structure.from_ross(machine)
+    rigid = replace(
+        structure,
+        bearings=tuple(replace(each, stiffness=1e14 * np.eye(2), damping=0.0, speeds=None)
+                       for each in structure.bearings),
+    )  # fmt: skip
+    found = {}
+    for name, each in (("rigid", rigid), ("own", structure)):
+        sag = static_deflection(each, gravity={"y": -9.8065})["displacement"]
+        found[name] = np.abs(sag.sel(coordinate=[f"{i}y" for i in range(5)]).values).max()
+    theirs = np.abs(deflection).max()
+    assert found["rigid"] == pytest.approx(theirs, rel=1e-5)  # 1e14 N/m are not quite rigid
+    assert found["own"] > 1.01 * theirs
 
 
 def test_tables_with_bends():

@@ -2,6 +2,7 @@ r"""`natural_modes`: eigenvalues of a structure, with what engineers read from t
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.arguments import checked
+from nonsmooth.errors import ResultWarning
 from nonsmooth.real_numbers import whole_number
 from nonsmooth.structures.eigenpairs import nearest_to_zero
 from nonsmooth.structures.pencil import Pencil, computing_form
@@ -20,7 +22,7 @@ __all__ = [
     "eigenvalue_variables",
     "natural_modes",
     "normalised",
-    "unstable_mode",
+    "warn_if_unstable",
     "whirl_variables",
 ]
 
@@ -113,7 +115,7 @@ def natural_modes(
     return xr.Dataset(variables, coordinates, attrs)
 
 
-def unstable_mode(structure: Structure, speed: float) -> str | None:
+def _unstable_mode(structure: Structure, speed: float) -> str | None:
     """Words for the mode of the slowest few that grows most; None where all decay."""
     modes = natural_modes(structure, speed, count=min(_LOOKED_AT, structure.size))
     worst = modes.isel(mode=int(np.argmin(modes["damping_ratio"].values)))
@@ -125,6 +127,26 @@ def unstable_mode(structure: Structure, speed: float) -> str | None:
         f"the mode of {frequency:.4g} rad/s{whirl}, grows as exp({rate:.3g} t) at a speed of"
         f" {speed:.6g} rad/s"
     )
+
+
+def warn_if_unstable(structure: Structure, axis: Array) -> None:
+    """Tell of an instability at the ends of some speeds, and where it begins on the way up."""
+    at = len(axis) - 1
+    words = _unstable_mode(structure, float(axis[at]))
+    if words is None:
+        words = _unstable_mode(structure, float(axis[0]))
+    else:
+        stable = -1
+        while at - stable > 1:
+            middle = (at + stable) // 2
+            found = _unstable_mode(structure, float(axis[middle]))
+            at, stable, words = (at, middle, words) if found is None else (middle, stable, found)
+    if words is not None:
+        warnings.warn(
+            f"structure: {words}; motions leave this response, which is that of a settled one",
+            ResultWarning,
+            stacklevel=4,
+        )
 
 
 def normalised(vectors: Array) -> Array:

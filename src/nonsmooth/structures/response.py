@@ -2,7 +2,6 @@ r"""`frequency_response` and `static_deflection`: a structure under forces."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
@@ -11,10 +10,10 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, OptionError, ResultWarning
+from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.real_numbers import finite_numbers, finite_real, shown
 from nonsmooth.structures.coordinates import in_direction, place_of, places_of
-from nonsmooth.structures.modes import unstable_mode
+from nonsmooth.structures.modes import warn_if_unstable
 from nonsmooth.structures.pencil import Pencil, computing_form, regular_solver
 from nonsmooth.structures.structure import Structure
 from nonsmooth.version import __version__
@@ -37,7 +36,7 @@ def frequency_response(
     *,
     inputs: Any = None,
     outputs: Any = None,
-    speed: float = 0.0,
+    speed: float | Literal["synchronous"] = 0.0,
     kind: Literal["receptance", "mobility", "accelerance"] = "receptance",
 ) -> xr.Dataset:
     r"""Frequency response of a structure: amplitudes at some coordinates under forces at others.
@@ -55,8 +54,9 @@ def frequency_response(
         Frequencies of the forces in rad/s.
     inputs, outputs : str, int or list of these, optional
         Coordinates at which forces act, and those at which the answer is wanted; all by default.
-    speed : float, optional
-        Speed of the shaft in rad/s.
+    speed : float or "synchronous", optional
+        Speed of the shaft in rad/s; at rest by default. With "synchronous" the shaft turns at each
+        frequency, as under forces that its own rotation makes.
     kind : {"receptance", "mobility", "accelerance"}, optional
         What is over the force: displacement, velocity or acceleration.
 
@@ -76,7 +76,7 @@ def frequency_response(
     Warns
     -----
     ResultWarning
-        When the structure is unstable at this speed: a motion then grows away from its response.
+        When the structure is unstable at a speed: a motion then grows away from its response.
 
     See Also
     --------
@@ -86,7 +86,7 @@ def frequency_response(
     Notes
     -----
     There is one factorisation for each frequency; no modes are left out. Coefficients of bearings
-    are those at the speed of the shaft, whatever the frequency.
+    are those at the speed of the shaft.
 
     Examples
     --------
@@ -102,26 +102,22 @@ def frequency_response(
     names = structure.coordinates
     driven = places_of(inputs, names, "inputs")
     seen = places_of(outputs, names, "outputs")
-    pencil = Pencil(computing_form(structure), float(speed))
+    light, synchronous = computing_form(structure), speed == "synchronous"
+    pencil = None if synchronous else Pencil(light, float(speed))
     force = np.zeros((structure.size, len(driven)), dtype=complex)
     force[driven, np.arange(len(driven))] = 1.0
     power, text, units = _KINDS[kind]
     found = np.empty((len(axis), len(seen), len(driven)), dtype=complex)
     for page, frequency in zip(found, axis, strict=True):
         try:
-            page[:] = (1j * frequency) ** power * pencil.solver(1j * frequency)(force)[seen]
+            solve = (pencil or Pencil(light, float(frequency))).solver(1j * frequency)
+            page[:] = (1j * frequency) ** power * solve(force)[seen]
         except np.linalg.LinAlgError:
             raise ModelError(
                 f"at {frequency:g} rad/s the response is infinite; give damping, or other"
                 " frequencies"
             ) from None
-    words = unstable_mode(structure, float(speed))
-    if words is not None:
-        warnings.warn(
-            f"structure: {words}; motions leave this response, which is that of a settled one",
-            ResultWarning,
-            stacklevel=3,
-        )
+    warn_if_unstable(structure, np.unique(axis) if synchronous else np.array([float(speed)]))
     over: Any = ("frequency", "output", "input")
     return xr.Dataset(
         {
@@ -134,7 +130,11 @@ def frequency_response(
             "output": ("output", [names[i] for i in seen], {"long_name": "coordinate"}),
             "input": ("input", [names[i] for i in driven], {"long_name": "force at"}),
         },
-        {"kind": kind, "speed": float(speed), "nonsmooth_version": __version__},
+        {
+            "kind": kind,
+            "speed": speed if synchronous else float(speed),
+            "nonsmooth_version": __version__,
+        },
     )
 
 

@@ -2,7 +2,6 @@ r"""`unbalance_response`: how a shaft whirls at its own speed under unbalances."
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,11 +10,11 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, OptionError, ResultWarning
+from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.real_numbers import finite_real, shown
 from nonsmooth.structures.coordinates import NodePlane, node_plane, place_of, planes
 from nonsmooth.structures.critical_speeds import speed_axis, speeds_of
-from nonsmooth.structures.modes import unstable_mode
+from nonsmooth.structures.modes import warn_if_unstable
 from nonsmooth.structures.pencil import Pencil, computing_form
 from nonsmooth.structures.structure import Structure
 from nonsmooth.structures.whirl import whirl_parts
@@ -105,7 +104,7 @@ def unbalance_response(structure: Structure, speeds: Sequence[float], unbalance:
             raise ModelError(
                 f"at {speed:g} rad/s the response is infinite; give damping, or other speeds"
             ) from None
-    _warn_if_unstable(structure, axis)
+    warn_if_unstable(structure, axis)
     over: Any = ("speed", "coordinate")
     variables: dict[str, Any] = {
         "displacement": (over, found, {"long_name": "complex displacement", "units": "m"}),
@@ -122,26 +121,6 @@ def unbalance_response(structure: Structure, speeds: Sequence[float], unbalance:
         nodes = [each.node or "0" for each in known]
         coordinates["node"] = "node", nodes, {"long_name": "node"}
     return xr.Dataset(variables, coordinates, {"nonsmooth_version": __version__})
-
-
-def _warn_if_unstable(structure: Structure, axis: Array) -> None:
-    """Tell of an instability at the ends of the axis, and where it begins on the way up."""
-    at = len(axis) - 1
-    words = unstable_mode(structure, float(axis[at]))
-    if words is None:
-        words = unstable_mode(structure, float(axis[0]))
-    else:
-        stable = -1
-        while at - stable > 1:
-            middle = (at + stable) // 2
-            found = unstable_mode(structure, float(axis[middle]))
-            at, stable, words = (at, middle, words) if found is None else (middle, stable, found)
-    if words is not None:
-        warnings.warn(
-            f"structure: {words}; motions leave this response, which is that of a settled one",
-            ResultWarning,
-            stacklevel=4,
-        )
 
 
 def _orbits(found: Array, known: list[NodePlane]) -> dict[str, Any]:
