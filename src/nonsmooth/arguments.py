@@ -38,6 +38,8 @@ class Allowed(NamedTuple):
     """Whether a value is of this class, with the right content or not."""
     check: Callable[[str, Any], object]
     """Raise an `OptionError` by the name of the argument."""
+    cure: Callable[[Any], str] = lambda value: ""
+    """What to do with a value that one of this class can be made of; begins with a comma."""
 
 
 def checked(
@@ -132,14 +134,19 @@ def _kind(annotation: Any, names: Mapping[str, Any]) -> Allowed | None:
     return None
 
 
-def _simple(one: str, many: str, fits: Callable[[Any], bool]) -> Allowed:
+def _simple(
+    one: str,
+    many: str,
+    fits: Callable[[Any], bool],
+    cure: Callable[[Any], str] = lambda value: "",
+) -> Allowed:
     """Values that need no more than to be of a class."""
 
     def check(name: str, value: Any) -> None:
         if not fits(value):
-            raise OptionError(f"{name} = {shown(value)}: give {one}")
+            raise OptionError(f"{name} = {shown(value)}: give {one}{cure(value)}")
 
-    return Allowed(one, many, fits, check)
+    return Allowed(one, many, fits, check, cure)
 
 
 def _of_loaded(module: str, name: str) -> Callable[[Any], bool]:
@@ -159,7 +166,10 @@ def _instance(kind: type) -> Allowed:
     name = kind.__name__
     article = "an" if name[0] in "AEIOU" else "a"
     return _simple(
-        f"{article} {name} of {home}", f"{name}s of {home}", lambda value: isinstance(value, kind)
+        f"{article} {name} of {home}",
+        f"{name}s of {home}",
+        lambda value: isinstance(value, kind),
+        getattr(kind, "_cure", lambda value: ""),
     )
 
 
@@ -211,7 +221,8 @@ def _one_of(kinds: Sequence[Allowed | None]) -> Allowed | None:
                 return
             except OptionError as fault:
                 faults.append(fault)
-        raise faults[0] if faults else OptionError(f"{name} = {shown(value)}: give {one}")
+        cure = "".join(kind.cure(value) for kind in known)
+        raise faults[0] if faults else OptionError(f"{name} = {shown(value)}: give {one}{cure}")
 
     return Allowed(one, many, lambda value: any(kind.fits(value) for kind in known), check)
 

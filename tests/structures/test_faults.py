@@ -324,3 +324,120 @@ def test_loads_that_the_error_of_a_reduction_leaves_out():
         machine(reduce(rod, ["q39", "q0"], **band), **parts)
         machine(reduce(rod, "q39", modes=5), **parts)  # which has no estimate
         machine(rod, **parts)
+
+
+# ---------------------------------------------------------------- senses, units and other programs
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        RubRing("1y", "1x", 0.1, 5.0, 0.1, 0.2),
+        SnubberRing("1y", "1x", 0.1, 5.0, 0.1),
+        Unbalance(1, 0, 0.1),
+    ],
+)
+def test_x_and_y_exchanged_are_told(part):
+    with pytest.warns(ns.ResultWarning, match=rf"^{part.kind}1: x is '1y' and y is '1x', as for"):
+        built(part)
+
+
+def test_names_in_their_order_are_not_told():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for kind in (RubRing, SnubberRing, Unbalance):
+            built(kind(**PARTS[kind]))
+            built(kind(**{**PARTS[kind], "x": "1y", "y": "2x"}))  # of no plane that is known
+
+
+@pytest.mark.parametrize("kind", [RubRing, SnubberRing, Unbalance])
+def test_two_coordinates_are_two(kind):
+    with pytest.raises(ns.ModelError, match=f"^{kind.kind}1: x and y are both '1x'; give the two"):
+        built(kind(**{**PARTS[kind], "y": "1x"}))
+
+
+def test_friction_of_a_ring_needs_a_radius():
+    with pytest.raises(ns.ModelError, match=r"^RubRing: radius: friction acts on the surface"):
+        RubRing("1x", "1y", 0.1, 5.0, friction=0.1)
+
+
+@pytest.mark.parametrize("kind", [Weight, BaseMotion])
+def test_a_direction_is_no_coordinate(kind):
+    with pytest.raises(ns.ModelError, match=f"^{kind.kind}1: direction: .* give direction='y', an"):
+        built(kind(**{**LOADS[kind], "direction": {"y": -9.81}}))
+
+
+def test_static_friction_is_a_ratio():
+    with pytest.raises(ns.ModelError, match=r"friction1_static = 30 was given: static is the rat"):
+        built(DryFriction("1x", force=20.0, static=30.0))
+    assert built(DryFriction("1x", force=20.0, static=30.0 / 20.0)).parameters["friction1_static"]
+
+
+def test_a_rotor_of_ross_is_taken_over_first():
+    rotor = type("Rotor", (), {"__module__": "ross.rotor_assembly"})()
+    for ask in (natural_modes, machine, lambda each: reduce(each, ["1x"])):
+        with pytest.raises(ns.OptionError, match=r"Structure\.from_ross makes of a rotor of ROSS$"):
+            ask(rotor)
+    with pytest.raises(ns.OptionError, match=r"give a Structure of nonsmooth\.structures$"):
+        natural_modes(3)
+
+
+def test_a_start_by_coordinates_is_made_of_states():
+    reduced = machine(reduce(frame(), ["1x"], modes=2), [GapSpring("1x", 0.1, 5.0)])
+    for ask in (ns.simulate, lambda *a: ns.ensemble(*a, times=[0.0, 1.0])):
+        with pytest.raises(
+            ns.OptionError, match=r"unknown state 'x1'.*; the method start of a Red"
+        ):
+            ask(reduced, {"x1": 0.1})
+    with pytest.raises(ns.OptionError, match=r"unknown state 'z1' .*\)$"):
+        ns.simulate(built(GapSpring("1x", 0.1, 5.0)), {"z1": 0.1}, t_end=1.0)
+
+
+def test_the_end_of_a_table_is_told_with_its_bearing():
+    film = Bearing(["1x", "1y"], [1.0, 2.0], speeds=[0.0, 1200.0], name="film")
+    law = Bearing("2x", lambda speed: 1.0 + speed)
+    held = ns.Structure(np.eye(3), np.eye(3), coordinates=["1x", "1y", "2x"], bearings=[film, law])
+    turning = machine(held, Omega=100.0, speed_range=(0.0, 1500.0))
+    with pytest.raises(
+        ns.ModelError, match=r"Omega = 1200\.0001 was given: the table of film ends there"
+    ):
+        turning.with_parameters(Omega=1200.0001)
+    assert turning.with_parameters(Omega=1200.0).parameters["Omega"] == 1200.0
+    with pytest.raises(ns.ModelError, match=r"Omega = -3 was given: the (table|speed_range) of"):
+        turning.with_parameters(Omega=-3.0)
+
+
+def test_labels_have_units():
+    """All but ratios and amplitudes of natural modes; of angles and moments their own."""
+    contacts = [
+        GapSpring("1x", 0.1, 5.0, 0.1),
+        Stop("1rx", 0.1, 0.5),
+        GapSpring("1rx", 0.2, 5.0, 0.1, name="twist"),
+        DryFriction("1y", 0.1, static=1.2, speed=0.3),
+    ]
+    loads = [Unbalance("1x", "1y", 0.1), Weight("y"), BaseMotion("x", 0.2), Force("1rx", 1.0)]
+    held = ns.Structure(
+        np.eye(3),
+        np.eye(3),
+        coordinates=["1x", "1y", "1rx"],
+        bearings=Bearing(["1x", "1rx"], [[3.0, 1.0], [1.0, 2.0]], 0.1 * np.ones((2, 2))),
+    )
+    labels = dict(machine(held, contacts, loads, Omega=2.0).describe)
+    rings = [RubRing("1x", "1y", 0.1, 5.0, 0.1, 0.2), SnubberRing("1x", "1y", 0.1, 5.0, 0.1)]
+    labels |= dict(machine(held, rings, Omega=2.0).describe)
+    bare = {name for name, label in labels.items() if "[" not in label}
+    assert bare == {"stop1_restitution", "friction1_static", "rub1_friction_coefficient"}
+    for name, unit in {
+        "rub1_radius_of_whirl": "m",
+        "ring1_force": "N",
+        "ring1_ring_vx": "m/s",
+        "ring1_contact_angle": "rad",
+        "unbalance1_moment": "kg m",
+        "twist_stiffness": "N m/rad",
+        "spring1_damping": "N s/m",
+        "stop1_gap": "rad",
+        "force1": "N m",
+        "bearing1_k_x1_rx1": "N/rad",
+        "bearing1_c_rx1_x1": "N m s/m",
+    }.items():
+        assert labels[name].endswith(f" [{unit}]"), labels[name]

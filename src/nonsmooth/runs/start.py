@@ -39,6 +39,7 @@ __all__ = [
     "refuse_other_parameters",
     "resolve_start",
     "start_at_end",
+    "unknown_state",
 ]
 
 
@@ -128,11 +129,19 @@ def begin(tables: Tables, state: npt.NDArray[np.float64], instant: Instant, mode
     return anchor
 
 
+def unknown_state(system: System, name: str) -> str:
+    """Words for a name that is no state."""
+    words = unknown_name("state", name, system.states)
+    if {"eta1", "veta1"} <= set(system.states):  # natural modes of a structure
+        words += "; the method start of a ReducedStructure makes states of displacements by name"
+    return words
+
+
 def _from_mapping(system: System, initial: Mapping[str, Any]) -> npt.NDArray[np.float64]:
     values = dict(system.open_state)
     for name, value in initial.items():
         if name not in values:
-            raise OptionError(f"initial: {unknown_name('state', str(name), system.states)}")
+            raise OptionError(f"initial: {unknown_state(system, str(name))}")
         values[name] = finite_real(f"initial[{name!r}]", value)
     return np.array([values[name] for name in system.states])
 

@@ -29,6 +29,7 @@ __all__ = ["DryFriction", "GapSpring", "Stop"]
 
 _SIDES = ("above", "below", "both")
 _AXES = {"above": 1.0, "below": -1.0}
+_MOST_STATIC = 5  # static over kinetic friction; of known pairs of materials it is below 3
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ class Stop:
         made = Contribution()
         offset = made.offset(name, self.offset, moves=True)
         where = SumOfCoordinates.read(f"{name}: coordinate", self.coordinate, place, offset)
-        gap = made.value(f"{name}_gap", self.gap, f"gap of {name}")
+        gap = made.value(f"{name}_gap", self.gap, f"gap of {name} [{where.units[0]}]")
         r = made.value(
             f"{name}_restitution", self.restitution, f"coefficient of restitution of {name}",
             ">= 0", "a rebound leads away from the stop",
@@ -227,19 +228,20 @@ class GapSpring:
         made = Contribution()
         offset = made.offset(name, self.offset, moves=self.damping is not None)
         where = SumOfCoordinates.read(f"{name}: coordinate", self.coordinate, place, offset)
+        length, force_unit = where.units
         both = self.side == "both"
         gap = made.value(
-            f"{name}_gap", self.gap, f"gap of {name}", ">= 0" if both else "",
+            f"{name}_gap", self.gap, f"gap of {name} [{length}]", ">= 0" if both else "",
             "springs on both sides that overlap are two contacts: give one spring above, one below",
         )  # fmt: skip
         stiffness = made.value(
-            f"{name}_stiffness", self.stiffness, f"stiffness of {name}",
+            f"{name}_stiffness", self.stiffness, f"stiffness of {name} [{force_unit}/{length}]",
             ">= 0", "a spring with a negative stiffness pulls",
         )  # fmt: skip
         damping = ""
         if self.damping is not None:
             damping = made.value(
-                f"{name}_damping", self.damping, f"damping of {name}",
+                f"{name}_damping", self.damping, f"damping of {name} [{force_unit} s/{length}]",
                 ">= 0", "negative damping would feed energy in",
             )  # fmt: skip
         force = "0"
@@ -269,7 +271,7 @@ class GapSpring:
             (f"{name}_push", place.at({each: -sign for each, sign in where.factors.items()}))
         )
         made.outputs[f"{name}_force"] = f"{name}_push"
-        made.describe[f"{name}_force"] = f"force of {name} [{where.units[1]}]"
+        made.describe[f"{name}_force"] = f"force of {name} [{force_unit}]"
         return made
 
 
@@ -300,7 +302,7 @@ class DryFriction:
     force : float or str
         Kinetic friction; a text may depend on states, such as a coefficient times a contact force.
     static : float or str, optional
-        Static over kinetic friction, 1 or more; 1 by default.
+        Ratio of static to kinetic friction, 1 or more; 1 by default. It is no force.
     speed : float or str, optional
         Velocity of what the coordinate rubs on, such as a belt.
     name : str, optional
@@ -339,8 +341,9 @@ class DryFriction:
         """What the friction adds to the equations of a machine."""
         made = Contribution()
         where = SumOfCoordinates.read(f"{name}: coordinate", self.coordinate, place)
+        length, force_unit = where.units
         kinetic = made.value(
-            f"{name}_kinetic", self.force, f"kinetic friction of {name}",
+            f"{name}_kinetic", self.force, f"kinetic friction of {name} [{force_unit}]",
             ">= 0", "friction acts against the slip",
         )  # fmt: skip
         hold = None
@@ -349,9 +352,15 @@ class DryFriction:
                 f"{name}_static", self.static, f"static over kinetic friction of {name}",
                 ">= 1", "what sticks holds at least what slips",
             )  # fmt: skip
+            if not isinstance(self.static, str):
+                made.require[f"{hold} <= {_MOST_STATIC}"] = (
+                    "static is the ratio of static to kinetic friction, no force; give the static"
+                    " force over force="
+                )
         slip = where.rate
         if self.speed is not None:
-            slip += f" - {made.value(f'{name}_speed', self.speed, f'speed that {name} rubs on')}"
+            label = f"speed that {name} rubs on [{length}/s]"
+            slip += f" - {made.value(f'{name}_speed', self.speed, label)}"
         made.surfaces[f"{name}_slip"] = Surface(
             slip,
             below=place.side(name, "back"),
@@ -362,5 +371,5 @@ class DryFriction:
         made.definitions[f"{name}_drag"] = f"-{kinetic}*sign({name}_slip)"
         made.loads.append((f"{name}_drag", place.at(where.factors)))
         made.outputs[f"{name}_force"] = f"{name}_drag"
-        made.describe[f"{name}_force"] = f"friction of {name} [{where.units[1]}]"
+        made.describe[f"{name}_force"] = f"friction of {name} [{force_unit}]"
         return made

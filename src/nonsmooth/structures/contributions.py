@@ -125,6 +125,16 @@ class Attachment:
         names = self.structure.coordinates
         return names[place_of(coordinate, names, where)]
 
+    def plane(self, name: str, part: Any, *, kept: bool) -> tuple[str, str]:
+        """Names of the two coordinates x and y of a ring or an unbalance."""
+        found = self.kept if kept else self.named
+        x, y = (found(f"{name}: {axis}", getattr(part, axis)) for axis in ("x", "y"))
+        if x == y:
+            raise ModelError(
+                f"{name}: x and y are both {x!r}; give the two coordinates of the shaft there"
+            )
+        return x, y
+
     def kept(self, where: str, coordinate: Any) -> str:
         """Name of a coordinate that a contact acts on."""
         name = self.named(where, coordinate)

@@ -13,6 +13,7 @@ from nonsmooth.real_numbers import shown
 __all__ = [
     "NodePlane",
     "coordinate_names",
+    "exchanged",
     "in_direction",
     "is_rotation",
     "node_plane",
@@ -64,6 +65,12 @@ def _parted(name: str) -> tuple[str, str]:
 def is_rotation(name: str) -> bool:
     """Whether a coordinate is an angle, which the last letters of its name say."""
     return _parted(name)[1].startswith("r")
+
+
+def exchanged(x: str, y: str) -> bool:
+    """Whether what stands for x is the y of a node, and what stands for y its x."""
+    (node, first), (other, second) = _parted(x), _parted(y)
+    return node == other and (first, second) in (("y", "x"), ("ry", "rx"))
 
 
 def planes(names: Sequence[str], kind: str = "") -> list[NodePlane]:

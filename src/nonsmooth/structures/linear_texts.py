@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.structures.bearing import Bearing
 from nonsmooth.structures.contributions import Attachment, Contribution
+from nonsmooth.structures.coordinates import is_rotation
 from nonsmooth.structures.speed_texts import coefficient_pieces, piecewise_definitions, varies
 from nonsmooth.structures.state_names import state_name, velocity_name, weighted_sum
 
@@ -75,9 +76,11 @@ def bearing_part(
     pieces = coefficient_pieces(bearing, speed_range)
     if not bearing.constant:
         made.turns = True
-        for sign, limit, way in ((">=", pieces[0].begin, "from"), ("<=", pieces[-1].end, "up to")):
-            made.require[f"Omega {sign} {limit!r}"] = (
-                f"the coefficients of {called} are known {way} there"
+        known = "speed_range" if bearing.speed_range is None else "table"
+        begin, end = pieces[0].begin, pieces[-1].end
+        for condition, way in ((f"Omega >= {begin!r}", "begins"), (f"Omega <= {end!r}", "ends")):
+            made.require[condition] = (
+                f"the {known} of {called} {way} there; turn within, or give a longer one"
             )
     for i, row in enumerate(names):
         terms = []
@@ -91,7 +94,8 @@ def bearing_part(
                     made.definitions |= piecewise_definitions(name, "Omega", pieces, (which, i, j))
                 elif value != 0.0:
                     made.parameters[name] = value
-                    made.describe[name] = f"{word} of {called} at {at.replace('_', ' by ')}"
+                    where, unit = at.replace("_", " by "), _unit(row, column, which)
+                    made.describe[name] = f"{word} of {called} at {where} [{unit}]"
                 else:
                     name = ""
                 less = float(held[i, j]) if which == 0 else 0.0
@@ -104,6 +108,12 @@ def bearing_part(
             made.definitions[force] = joined(terms)
             made.loads.append((force, place.at({row: 1.0})))
     return made
+
+
+def _unit(row: str, column: str, which: int) -> str:
+    """Unit of a stiffness, or of a damping, by the coordinates of the force and of the motion."""
+    force, length = "N m" if is_rotation(row) else "N", "rad" if is_rotation(column) else "m"
+    return f"{force}{' s' if which else ''}/{length}"
 
 
 def joined(terms: Sequence[str]) -> str:

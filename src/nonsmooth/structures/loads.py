@@ -18,7 +18,7 @@ from nonsmooth.structures.contributions import (
     check_name,
     check_text,
 )
-from nonsmooth.structures.coordinates import in_direction, place_of
+from nonsmooth.structures.coordinates import in_direction, is_rotation, place_of
 from nonsmooth.system.parts import Text
 
 __all__ = ["BaseMotion", "Force", "Unbalance", "Weight"]
@@ -68,7 +68,8 @@ class Force:
         """What the force adds to the equations of a machine."""
         made = Contribution()
         coordinate = place.named(f"{name}: coordinate", self.coordinate)
-        made.value(name, self.force, f"force at {coordinate}")
+        kind, unit = ("moment", "N m") if is_rotation(coordinate) else ("force", "N")
+        made.value(name, self.force, f"{kind} at {coordinate} [{unit}]")
         made.loads.append((name, place.at({coordinate: 1.0})))
         return made
 
@@ -118,10 +119,12 @@ class Unbalance:
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the unbalance adds to the equations of a machine."""
         made = Contribution(turns=True, driven=True)
-        moment = made.value(f"{name}_moment", self.moment, f"mass times eccentricity of {name}")
+        moment = made.value(
+            f"{name}_moment", self.moment, f"mass times eccentricity of {name} [kg m]"
+        )
         phase = made.value(f"{name}_phase", self.phase, f"angle of {name} [rad]")
-        for wave, axis in (("cos", "x"), ("sin", "y")):
-            coordinate = place.named(f"{name}: {axis}", getattr(self, axis))
+        at = place.plane(name, self, kept=False)
+        for wave, axis, coordinate in zip(("cos", "sin"), ("x", "y"), at, strict=True):
             force = f"{name}_{axis}"
             made.definitions[force] = f"{moment}*Omega**2*{wave}(Omega*t + {phase})"
             made.loads.append((force, place.at({coordinate: 1.0})))
@@ -166,7 +169,7 @@ class Weight:
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the weight adds to the equations of a machine."""
         made = Contribution()
-        made.value(name, self.acceleration, "acceleration of the weight")
+        made.value(name, self.acceleration, "acceleration of the weight [m/s^2]")
         made.loads.append((name, _inertia_forces(name, self.direction, place)))
         return made
 
@@ -212,7 +215,7 @@ class BaseMotion:
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the motion of the base adds to the equations of a machine."""
         made = Contribution()
-        made.value(name, self.acceleration, "acceleration of the base")
+        made.value(name, self.acceleration, "acceleration of the base [m/s^2]")
         made.loads.append((name, -_inertia_forces(name, self.direction, place)))
         return made
 
@@ -232,6 +235,11 @@ def _inertia_forces(name: str, direction: Any, place: Attachment) -> npt.NDArray
     along = np.zeros(structure.size)
     if isinstance(direction, Mapping):
         for coordinate, factor in direction.items():
+            if coordinate in _DIRECTIONS and coordinate not in structure.coordinates:
+                raise ModelError(
+                    f"{name}: direction: no coordinate is called {coordinate!r}; for all that moves"
+                    f" along it give direction={coordinate!r}, and the size as acceleration="
+                )
             at = place_of(coordinate, structure.coordinates, f"{name}: direction")
             along[at] = factor
     else:

@@ -13,7 +13,7 @@ from nonsmooth.errors import ModelError, OptionError, ResultWarning, unknown_nam
 from nonsmooth.real_numbers import finite_numbers, shown
 from nonsmooth.structures.contacts import DryFriction, GapSpring, Stop
 from nonsmooth.structures.contributions import Attachment, Contribution, RingModes
-from nonsmooth.structures.coordinates import is_rotation, place_of
+from nonsmooth.structures.coordinates import exchanged, is_rotation, place_of
 from nonsmooth.structures.generalized_form import generalized_form
 from nonsmooth.structures.linear_texts import (
     LinearPart,
@@ -170,6 +170,7 @@ def machine(
     _check_constants(parts, words["parameters"])
     _warn_of_speed(reduction, Omega)
     _warn_of_loads(reduction, named)
+    _warn_of_sense(full, named)
     words["describe"] |= {"time": "time [s]"}
     if Omega is not None:
         words["describe"] |= {"Omega": "speed of the shaft [rad/s]"}
@@ -219,6 +220,20 @@ def _warn_of_loads(reduction: ReducedStructure, named: Mapping[str, Any]) -> Non
             ResultWarning,
             stacklevel=4,
         )
+
+
+def _warn_of_sense(structure: Structure, named: Mapping[str, Any]) -> None:
+    """Tell of parts with x and y exchanged: unbalance and friction then turn the other way."""
+    for name, part in named.items():
+        if isinstance(part, RubRing | SnubberRing | Unbalance):
+            x, y = _coordinates(structure, {name: part})
+            if exchanged(x, y):
+                warnings.warn(
+                    f"{name}: x is {x!r} and y is {y!r}, as for a shaft that turns from y to x;"
+                    " exchange them unless it does",
+                    ResultWarning,
+                    stacklevel=4,
+                )
 
 
 def _refuse_twice(names: Iterable[str], declared: Mapping[str, Any], fault: str) -> None:

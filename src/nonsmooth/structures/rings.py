@@ -91,26 +91,31 @@ class RubRing:
         given |= {"centre_x": self.centre_x, "centre_y": self.centre_y}
         if self.friction is not None:
             check_text("RubRing", friction=self.friction)
-        if self.friction is not None or self.radius is not None:
+            if self.radius is None:
+                raise ModelError(
+                    "RubRing: radius: friction acts on the surface of the shaft; with friction="
+                    " give its radius there"
+                )
+        if self.radius is not None:
             given["radius"] = self.radius
         check_text("RubRing", **given)
 
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the ring adds to the equations of a machine."""
         made = Contribution()
-        at_x, at_y = _two_coordinates(name, self, place)
+        at_x, at_y = place.plane(name, self, kept=True)
         gap = made.value(
-            f"{name}_gap", self.gap, f"radial clearance of {name}",
+            f"{name}_gap", self.gap, f"radial clearance of {name} [m]",
             "> 0", "a ring without clearance is a bearing",
         )  # fmt: skip
         k = made.value(
-            f"{name}_stiffness", self.stiffness, f"stiffness of {name}",
+            f"{name}_stiffness", self.stiffness, f"stiffness of {name} [N/m]",
             ">= 0", "the ring cannot pull",
         )  # fmt: skip
         _centre(made, name, self, state_name(at_x), state_name(at_y))
         x, y, touch, r = f"{name}_x", f"{name}_y", f"{name}_touch", f"{name}_radius_of_whirl"
         made.outputs[r] = f"sqrt({x}**2 + {y}**2)"
-        made.describe[r] = f"distance of the shaft from the centre of {name}"
+        made.describe[r] = f"distance of the shaft from the centre of {name} [m]"
         made.surfaces[touch] = Surface(
             f"{x}**2 + {y}**2 - {gap}**2",
             below=place.side(name, "free"),
@@ -147,7 +152,7 @@ class RubRing:
             f"coefficient of friction of {name}", ">= 0", "friction acts against the slip",
         )  # fmt: skip
         radius = made.value(
-            f"{name}_radius", self.radius or 0.0, f"radius of the shaft at {name}",
+            f"{name}_radius", self.radius or 0.0, f"radius of the shaft at {name} [m]",
             "> 0", "the shaft touches with its surface",
         )  # fmt: skip
         x, y, r = f"{name}_x", f"{name}_y", f"{name}_radius_of_whirl"
@@ -236,9 +241,9 @@ class SnubberRing:
     def _contribution(self, name: str, place: Attachment) -> Contribution:
         """What the ring adds to the equations of a machine."""
         made = Contribution()
-        at_x, at_y = _two_coordinates(name, self, place)
+        at_x, at_y = place.plane(name, self, kept=True)
         for key, label, require, reason in _SNUBBER:
-            made.value(f"{name}_{key}", getattr(self, key), f"{label} of {name}", require, reason)
+            made.value(f"{name}_{key}", getattr(self, key), label.format(name), require, reason)
         _centre(made, name, self, state_name(at_x), state_name(at_y))
         # given names of their own below, as those of the texts
         ring = RingNames("k_s", "c_s", "gamma", "rotor_vx", "rotor_vy")
@@ -259,7 +264,7 @@ class SnubberRing:
         for key, text in words["outputs"].items():
             output = f"{name}_{_OUTPUTS.get(key, key)}"
             made.outputs[output] = own(text)
-            made.describe[output] = f"{_LABELS[key]} of {name}"
+            made.describe[output] = _LABELS[key].format(name)
         for axis, coordinate in (("x", at_x), ("y", at_y)):
             made.loads.append((called[f"F{axis}"], place.at({coordinate: -1.0})))
         made.ring = RingModes(
@@ -284,19 +289,26 @@ class SnubberRing:
                 for way, mode in words["modes"].items()
             },
         )
-        for key, label in (("sx", "displacement in x"), ("sy", "displacement in y")):
-            made.describe[called[key]] = f"{label} of {name}"
-        made.describe[called["mu"]] = f"multiplier of the contact with {name}"
+        for key in ("sx", "sy", "mu"):
+            made.describe[called[key]] = _LABELS[key].format(name)
         return made
 
 
 _SNUBBER = (
-    ("gap", "radial clearance", "> 0", "a ring without clearance is a bearing"),
-    ("stiffness", "stiffness of a spring", "> 0", "the ring is held by springs"),
-    ("damping", "damping of a damper", "> 0", "an undamped ring would never come to rest"),
-    ("preload_x", "preload in x", ">= 0", "springs with a negative preload leave the ring loose"),
-    ("preload_y", "preload in y", ">= 0", "springs with a negative preload leave the ring loose"),
-)
+    ("gap", "radial clearance of {} [m]", "> 0", "a ring without clearance is a bearing"),
+    ("stiffness", "stiffness of a spring of {} [N/m]", "> 0", "the ring is held by springs"),
+    (
+        "damping", "damping of a damper of {} [N s/m]",
+        "> 0", "an undamped ring would never come to rest",
+    ),
+    *(
+        (
+            f"preload_{axis}", f"preload in {axis} of {{}} [m]",
+            ">= 0", "springs with a negative preload leave the ring loose",
+        )
+        for axis in ("x", "y")
+    ),
+)  # fmt: skip
 _RENAMED = {
     "x": "x",
     "y": "y",
@@ -310,30 +322,24 @@ _RENAMED = {
 }
 _OUTPUTS = {"gap": "distance"}
 _LABELS = {
-    "ring_vx": "velocity in x",
-    "ring_vy": "velocity in y",
-    "force_x": "force in x",
-    "force_y": "force in y",
-    "force": "force",
-    "contact_angle": "direction of the contact [rad]",
-    "gap": "gap between shaft and ring",
-    "energy": "elastic energy",
+    "sx": "displacement in x of {} [m]",
+    "sy": "displacement in y of {} [m]",
+    "mu": "multiplier of the contact with {} [N/m]",
+    "ring_vx": "velocity in x of {} [m/s]",
+    "ring_vy": "velocity in y of {} [m/s]",
+    "force_x": "force in x of {} [N]",
+    "force_y": "force in y of {} [N]",
+    "force": "force of {} [N]",
+    "contact_angle": "direction of the contact with {} [rad]",
+    "gap": "gap between shaft and {} [m]",
+    "energy": "elastic energy of {} [J]",
 }
-
-
-def _two_coordinates(name: str, ring: Any, place: Attachment) -> tuple[str, str]:
-    at_x, at_y = (place.kept(f"{name}: {key}", getattr(ring, key)) for key in ("x", "y"))
-    if at_x == at_y:
-        raise ModelError(
-            f"{name}: x and y are both {at_x!r}; give the two coordinates of the shaft at the ring"
-        )
-    return at_x, at_y
 
 
 def _centre(made: Contribution, name: str, ring: Any, x: str, y: str) -> None:
     """Displacements of the shaft from the centre of a ring."""
     for axis, state in (("x", x), ("y", y)):
         given = getattr(ring, f"centre_{axis}")
-        centre = made.value(f"{name}_centre_{axis}", given, f"centre of {name} in {axis}")
+        centre = made.value(f"{name}_centre_{axis}", given, f"centre of {name} in {axis} [m]")
         made.outputs[f"{name}_{axis}"] = f"{state} - {centre}"
-        made.describe[f"{name}_{axis}"] = f"displacement from the centre of {name} in {axis}"
+        made.describe[f"{name}_{axis}"] = f"displacement from the centre of {name} in {axis} [m]"

@@ -255,6 +255,12 @@ class Structure:
 
         return cls(**parts_of(rotor, coordinates, tables))
 
+    @staticmethod
+    def _cure(value: Any) -> str:
+        """What to do with a value that a structure can be made of; see `nonsmooth.arguments`."""
+        from_ross = type(value).__module__.partition(".")[0] == "ross"
+        return ", which Structure.from_ross makes of a rotor of ROSS" if from_ross else ""
+
     @property
     def size(self) -> int:
         """Number of coordinates."""

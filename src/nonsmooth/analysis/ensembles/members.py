@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, is_known, unknown_choice, unknown_name
 from nonsmooth.runs.memory import free_memory, size_text
-from nonsmooth.runs.start import check_carried
+from nonsmooth.runs.start import check_carried, unknown_state
 from nonsmooth.system.system import System
 
 __all__ = ["Members", "mappings_of", "members_of", "split_parameters"]
@@ -183,7 +183,7 @@ def _of_mapping(system: System, initial: Mapping[Any, Any]) -> tuple[dict[str, F
     starts: dict[str, Floats] = {}
     for name, values in initial.items():
         if name not in system.states:
-            raise OptionError(f"initial: {unknown_name('state', str(name), system.states)}")
+            raise OptionError(f"initial: {unknown_state(system, str(name))}")
         starts[name] = _list(f"initial[{name!r}]", values)
     lengths = {name: values.size for name, values in starts.items() if values.size > 1}
     if len(set(lengths.values())) > 1:

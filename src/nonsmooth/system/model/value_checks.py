@@ -193,9 +193,18 @@ def first_unmet(require: Mapping[str, str], values: Mapping[str, float]) -> str:
     for condition, reason in require.items():
         if not _holds(condition, values):
             names = [n.name for n in _condition_names(condition) if n.name != "pi"]
-            given = ", ".join(f"{name} = {values[name]:g}" for name in names)
+            given = _with_enough_digits(condition, {name: values[name] for name in names})
             return f"{condition} is required, {given} was given: {reason}"
     return ""
+
+
+def _with_enough_digits(condition: str, values: Mapping[str, float]) -> str:
+    """Values as texts, with so many digits that these do not meet the condition either."""
+    for digits in (6, 9, 12, 17):
+        texts = {name: f"{value:.{digits}g}" for name, value in values.items()}
+        if not _holds(condition, {name: float(text) for name, text in texts.items()}):
+            break
+    return ", ".join(f"{name} = {text}" for name, text in texts.items())
 
 
 def _holds(condition: str, values: Mapping[str, float]) -> bool:
