@@ -369,6 +369,46 @@ def test_an_output_is_told_from_an_unknown_name():
         ns.plot.branch(branch, "stop_forc")
 
 
+def test_an_output_of_states_is_drawn_at_the_points_of_a_branch():
+    """A displacement of a reduced structure, which `recover` finds from a run of each orbit."""
+    matrix = 2 * np.eye(3) - np.eye(3, k=1) - np.eye(3, k=-1)
+    chain = ns.Structure(np.eye(3), matrix, damping=0.1 * np.eye(3), coordinates=["1x", "2x", "3x"])
+    small = ns.structures.reduce(chain, ["3x"], modes=2)
+    shaken = ns.structures.machine(
+        small,
+        [ns.structures.GapSpring("3x", 0.1, 5.0)],
+        [ns.structures.Force("1x", "0.1*cos(w*t)")],
+        parameters={"w": 1.0},
+        period="2*pi/w",
+    )
+    found = ns.continue_orbit(shaken, "w", (0.95, 1.05), steps=20)
+    ax = ns.plot.branch(found, "x3")
+    assert ax.get_ylabel() == "displacement 3x [m]"
+    drawn = np.concatenate([line.get_xydata() for line in lines(ax).values()])
+    for point in (0, found.sizes["point"] // 2, -1):
+        orbit = found.isel(point=point)
+        run = ns.simulate(shaken, orbit, periods=1, parameters={"w": float(orbit["w"])})
+        x3 = float(small.recover(run, "3x")["displacement"].isel(time=0).squeeze())
+        nearest = np.nanargmin(np.abs(drawn[:, 0] - float(orbit["w"])))
+        assert abs(drawn[nearest, 1] - x3) < 1e-12
+    with pytest.raises(OptionError, match="of which it is no expression; draw a state, give the"):
+        ns.plot.branch(found, "spring1_force")
+
+
+def test_over_a_diagram_an_output_of_states_has_its_strobes():
+    one = saddle_node()
+    x = one["x"].values
+    strobes = np.stack([x, x + 0.5], axis=1)[:, :, None]
+    one = one.assign(strobes=(("point", "strobe_of_turn", "state"), strobes))
+    one = one.assign_coords(state=["x"])
+    one.attrs["system"] = 'states = ["x"]\n[outputs]\ntwice = "2*x"\n'
+    behind = diagram().assign(twice=2 * diagram()["x"])
+    ax = ns.plot.branch(one, "twice", diagram=behind)
+    drawn = np.concatenate([li.get_ydata() for li in ax.lines if li.get_gid() == "branch 0"])
+    for each in (2 * x, 2 * x + 1.0):
+        assert np.isin(np.round(each, 9), np.round(drawn, 9)).all()
+
+
 def test_the_line_is_broken_where_an_impact_passes_the_section():
     """A ball on a table: the impact is at phase 0 for p = 0, where its speed is reversed."""
     p = np.linspace(-0.2, 0.2, 9) + 0.01

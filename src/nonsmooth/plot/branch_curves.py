@@ -11,6 +11,9 @@ import numpy.typing as npt
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.crowding import depths, uncrowded
 from nonsmooth.plot.style import PALETTE, axis_label, mode_numbers
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import Expression, name_set
+from nonsmooth.system.text.grammar import parse
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,6 +28,7 @@ __all__ = [
     "branch_curve",
     "check_branch",
     "mark_special_points",
+    "output_of_states",
     "quantity",
     "special_points",
 ]
@@ -233,27 +237,41 @@ def quantity(branch: xr.Dataset, name: str, leg: int | str | None = None) -> tup
         if branch[v].dims == ("point",) and branch[v].dtype.kind in "fiu"
     ]
     if name not in curves:
-        if name in _outputs(branch):
-            raise OptionError(
-                f"{name!r} is an output of the system, and the points of a branch hold states only;"
-                " draw a state, or the output of a diagram by plot.bifurcation"
-            )
+        system = _system(branch)
+        if name in system.get("outputs", {}):
+            expression = output_of_states(branch, name)
+            if expression is None:
+                raise OptionError(
+                    f"{name!r} is an output of the system, and the points of a branch hold states"
+                    " only, of which it is no expression; draw a state, give the branch a variable"
+                    " over 'point' from a run of each, or draw a diagram by plot.bifurcation"
+                )
+            values = evaluate(expression, {state: branch[state].values for state in curves})
+            along = np.broadcast_to(np.asarray(values, dtype=float), branch.sizes["point"])
+            return along, str(system.get("describe", {}).get(name, name))
         known = [*curves, *(v for v in ("multipliers", "durations") if v in branch)]
         raise OptionError(unknown_name("variable", name, known))
     return branch[name].values.astype(float), axis_label(branch[name])
 
 
-def _outputs(branch: xr.Dataset) -> Mapping[str, Any]:
-    """Outputs of the system of a branch, as its file has them."""
+def output_of_states(branch: xr.Dataset, name: str) -> Expression | None:
+    """An output of the system that is an expression of states alone; None for all else."""
+    system = _system(branch)
+    text = system.get("outputs", {}).get(name)
+    if not isinstance(text, str) or name in branch:
+        return None
+    expression = parse(text)
+    return expression if name_set(expression) <= {*system.get("states", ()), "pi"} else None
+
+
+def _system(branch: xr.Dataset) -> Mapping[str, Any]:
+    """The system of a branch, as its file has it; empty where it is not known."""
     import tomllib
 
     try:
-        found: Mapping[str, Any] = tomllib.loads(str(branch.attrs.get("system", ""))).get(
-            "outputs", {}
-        )
+        return tomllib.loads(str(branch.attrs.get("system", "")))
     except tomllib.TOMLDecodeError:
         return {}
-    return found
 
 
 def _duration(branch: xr.Dataset, leg: int | str | None) -> tuple[Floats, str]:

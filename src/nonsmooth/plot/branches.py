@@ -19,6 +19,7 @@ from nonsmooth.plot.branch_curves import (
     branch_curve,
     check_branch,
     mark_special_points,
+    output_of_states,
     quantity,
     special_points,
 )
@@ -32,6 +33,8 @@ from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes, largest_state
 from nonsmooth.plot.trace import broken
+from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.expressions import Name
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -82,9 +85,10 @@ def branch(
         of a mapping.
     y : str
         A variable over the points of the branch, such as a state, ``"v_per_time"``, ``"length"``
-        or ``"residual"``; ``"multipliers"`` for the modulus of the largest one, with an axis that
-        ends where single orbits, such as a graze at a rigid wall, are far beyond all others;
-        ``"durations"`` for that of ``leg``.
+        or ``"residual"``; an output of the system that is an expression of states alone, such as a
+        displacement of a reduced structure; ``"multipliers"`` for the modulus of the largest one,
+        with an axis that ends where single orbits, such as a graze at a rigid wall, are far beyond
+        all others; ``"durations"`` for that of ``leg``.
     x : str, optional
         Another variable over the points of the branch than its parameter.
     leg : int or str, optional
@@ -200,9 +204,14 @@ def branch(
 
 def _strobes(branch: xr.Dataset, y: str, up: Any) -> list[Any]:
     """A state at the beginning of each period of a turn; other variables as they are."""
-    if "strobes" not in branch or y not in branch["state"].values or f"{y}_per_period" in branch:
+    if "strobes" not in branch or f"{y}_per_period" in branch:
         return [up]
-    values = branch["strobes"].sel(state=y).transpose("strobe_of_turn", "point").values
+    strobes = branch["strobes"].transpose("state", "strobe_of_turn", "point").values
+    states = dict(zip(branch["state"].values.tolist(), strobes, strict=True))
+    expression = Name(y) if y in states else output_of_states(branch, y)
+    if expression is None:
+        return [up]
+    values = np.broadcast_to(evaluate(expression, states), strobes.shape[1:])
     return [row for row in values if np.isfinite(row).any()]
 
 
