@@ -16,8 +16,8 @@ COMPLETED = [name for name, truth in RUNS.items() if truth["status"] == "complet
 UNDECIDED = [name for name in RUNS if name not in COMPLETED]
 
 
-def run_like(truth):
-    return ns.simulate(rotor(**truth["parameters"]), periods=10, samples_per_period=4)
+def run_like(truth, **words):
+    return ns.simulate(rotor(**truth["parameters"], **words), periods=10, samples_per_period=4)
 
 
 def passages(run):
@@ -67,7 +67,10 @@ def test_runs_pass_every_regime_both_ways():
 def test_no_regime_holds(name):
     """After the release rotor and ring would approach: the ring rides on until it is free."""
     truth = RUNS[name]
-    run = run_like(truth)
+    with pytest.warns(ns.RunWarning, match="undecided"):
+        stopped = run_like(truth, ring="relaxes")
+    assert stopped.attrs["status"] == "undecided" and "release" in stopped.attrs["message"]
+    run = run_like(truth, ring="rides")
     assert run.attrs["status"] == "completed"
     times, modes = run["event_time"].values, run["event_to"]
     k = int(np.argmin(np.abs(times - float(truth["events"][-1]["t"]))))

@@ -15,6 +15,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError
 from nonsmooth.matrix_files import read_archive
 from nonsmooth.models.rotors.matrices import matrix_rotor_words, square_matrix
+from nonsmooth.models.rotors.texts import rides
 from nonsmooth.system.parts import Text
 from nonsmooth.system.system import System
 
@@ -187,7 +188,8 @@ class MatrixRotor:
             Speed of the rotor, in rad over the unit of time.
         k_s, c_s : float or str
             Stiffness and damping of each of the ring's four springs and dampers. Without damping,
-            ``c_s=0``, a free ring is back at its centre at once.
+            ``c_s=0``, a free ring is back at its centre at once. With unequal preloads it rides on
+            the rotor behind some releases, as in `rotor`.
         gamma : float or str, optional
             Radial clearance.
         eps_x, eps_y : float or str, optional
@@ -224,6 +226,7 @@ class MatrixRotor:
             self.unbalance,
             np.asarray(self.load),
             damped,
+            rides(delta_x, delta_y),
         )
         parameters: Mapping[str, Text] = {
             "Omega": Omega,

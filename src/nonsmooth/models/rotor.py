@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from nonsmooth.models.rotors.texts import rotor_words
+from nonsmooth.models.rotors.texts import rides, rotor_words
 from nonsmooth.system.parts import Text
 from nonsmooth.system.system import System
 
@@ -24,7 +24,7 @@ def rotor(
     delta_y: Text = 0.1,
     phi0: Text = 0.0,
     *,
-    ring: Literal["relaxes", "returns"] = "relaxes",
+    ring: Literal["relaxes", "rides", "returns"] | None = None,
 ) -> System:
     r"""Jeffcott rotor in a preloaded snubber ring, dimensionless, chapter section 4.
 
@@ -73,9 +73,11 @@ def rotor(
     eta, nu1, nu2, K, eta_m, rho, eps_x, eps_y, delta_x, delta_y, phi0 : float or str
         Dimensionless parameters as in the table; lengths are over the gap. Preloads may be
         zero and differ.
-    ring : {"relaxes", "returns"}
-        A free ring relaxes at its own rate, or is back at its centre at once: the limit of no
-        damping, in which nu2 plays no part.
+    ring : {"relaxes", "rides", "returns"}, optional
+        A free ring relaxes at its own rate. Behind a release after which it would move into the
+        rotor, the run ends, or the ring rides on the rotor, see notes. Or it is back at its centre
+        at once: the limit of no damping, in which nu2 plays no part. By default a ring rides where
+        its preloads are unequal numbers, and relaxes else.
 
     Returns
     -------
@@ -83,7 +85,7 @@ def rotor(
         States ``x y vx vy`` of the rotor, ``sx sy`` of the ring and the multiplier ``mu``.
         Phase words have ``free`` and in contact the chapter's regimes: ``II`` within both
         preloads, ``III`` beyond that in x, ``IV`` beyond that in y, ``V`` beyond both, and
-        ``riding`` behind some releases, see notes. Outputs
+        ``riding`` behind some releases of a ring that rides. Outputs
         ``ring_vx ring_vy force_x force_y force contact_angle gap energy``; the force is that on
         the ring. What an initial state leaves out of ``sx sy mu`` stands where statics put it.
 
@@ -107,8 +109,8 @@ def rotor(
     The chapter's ring, without mass and with a damper on each spring, does not always tell what
     comes next. On release from III or IV, where one spring is at work along one axis and two along
     the other, the free ring would move otherwise than the rotor asks for, and it may move into the
-    rotor. Then it rides on the rotor, which pushes it along the normal while springs and dampers
-    hold it back, until the push is zero:
+    rotor. One that relaxes ends its run there as ``undecided``. One that rides stays on the rotor,
+    which pushes it along the normal while springs and dampers hold it back, until the push is zero:
 
     .. math::
 
@@ -151,4 +153,6 @@ def rotor(
         "delta_y": delta_y,
         "phi0": phi0,
     }
-    return System(**rotor_words(values, relaxes=ring == "relaxes"))
+    if ring is None:
+        ring = "rides" if rides(delta_x, delta_y) else "relaxes"
+    return System(**rotor_words(values, relaxes=ring != "returns", riding=ring == "rides"))

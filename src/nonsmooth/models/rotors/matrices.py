@@ -52,6 +52,7 @@ def matrix_rotor_words(
     unbalance: Iterable[Any],
     load: np.ndarray,
     damped: bool,
+    riding: bool,
 ) -> dict[str, Any]:
     """What `System` takes, but for name and parameters."""
     n = len(load)
@@ -59,7 +60,7 @@ def matrix_rotor_words(
     flow = _flow(matrices, ring, unbalance, load)
     i, j = ring
     at_ring = RingNames("k_s", "c_s" if damped else None, "gamma", f"v{i}", f"v{j}")
-    words = ring_words(f"q{i} + eps_x", f"q{j} + eps_y", at_ring)
+    words = ring_words(f"q{i} + eps_x", f"q{j} + eps_y", at_ring, rides=riding)
     labels = {name: text for name, text in base["describe"].items() if name not in _OTHER_NAMES}
     for k in range(n):
         labels |= {f"q{k}": f"displacement {k}", f"v{k}": f"velocity {k}"}
@@ -75,7 +76,7 @@ def matrix_rotor_words(
     }
 
 
-def ring_words(x: str, y: str, ring: RingNames, *, rides: bool = True) -> dict[str, Any]:
+def ring_words(x: str, y: str, ring: RingNames, *, rides: bool) -> dict[str, Any]:
     """Definitions, outputs and modes of a ring for a rotor at x, y from the centre of the ring.
 
     Preloads are called ``delta_x delta_y``; the force on the ring is ``Fx Fy``.

@@ -8,7 +8,15 @@ from typing import Any, NamedTuple
 
 from nonsmooth.system.parts import Exit, Mode, Text
 
-__all__ = ["RingNames", "first_guess", "ring_modes", "ring_texts", "rotor_words", "with_flow"]
+__all__ = [
+    "RingNames",
+    "first_guess",
+    "rides",
+    "ring_modes",
+    "ring_texts",
+    "rotor_words",
+    "with_flow",
+]
 
 # signs of the surfaces s - delta and s + delta along an axis
 _WITHIN, _BEYOND = ("-+",), ("+.", "--")
@@ -115,7 +123,7 @@ def first_guess(gap: str, mu: str) -> dict[str, str]:
 
 
 def ring_modes(
-    ring: RingNames, along: tuple[str, str] = _NORMAL, *, rides: bool = True
+    ring: RingNames, along: tuple[str, str] = _NORMAL, *, rides: bool
 ) -> dict[str, Mode]:
     """Modes of a ring by its own rates and relations; `rides` asks for the third one, see there."""
     damped = ring.damping is not None
@@ -186,8 +194,20 @@ def with_flow(modes: Mapping[str, Mode], flow: Mapping[str, Text]) -> dict[str, 
     return {name: replace(mode, flow=dict(flow) | dict(mode.flow)) for name, mode in modes.items()}
 
 
+def rides(preload_x: Text, preload_y: Text) -> bool:
+    """Whether releases with these preloads often leave open what comes next: they are unequal."""
+    try:
+        return float(preload_x) != float(preload_y)
+    except ValueError:  # texts of other parameters
+        return False
+
+
 def rotor_words(
-    values: Mapping[str, Text], along: tuple[str, str] = _NORMAL, *, relaxes: bool = True
+    values: Mapping[str, Text],
+    along: tuple[str, str] = _NORMAL,
+    *,
+    relaxes: bool = True,
+    riding: bool = False,
 ) -> dict[str, Any]:
     """What `System` takes for the rotor, by values of its parameters; for models built on it."""
     ring = RingNames("K", "2*nu2" if relaxes else None, "1", "vx", "vy")
@@ -225,5 +245,5 @@ def rotor_words(
             "gap": "1 - sqrt(nx**2 + ny**2)",
             "energy": "stored",
         },
-        "modes": with_flow(ring_modes(ring, along), drive),
+        "modes": with_flow(ring_modes(ring, along, rides=riding), drive),
     }
