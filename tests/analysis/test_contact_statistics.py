@@ -58,6 +58,19 @@ def test_closed_forms():
     assert found["longest_contact"].attrs["units"] == "s"
 
 
+def test_a_transient_is_told():
+    """Period 2 of the soft impact at omega = 0.83: a contact every other period, once settled."""
+    soft = ns.models.soft_impact(omega=0.83)
+    early = ns.contact_statistics(soft, transient=0, record=10)
+    assert int(early["motion_period"]) == 0
+    assert early.attrs["message"].startswith(
+        "completed; 1 of 1 motions have not settled to a period of at most 5 within 10 periods"
+    )
+    late = ns.contact_statistics(soft, transient=400, record=10)
+    assert (int(late["motion_period"]), float(late["contacts"])) == (2, 0.5)
+    assert late.attrs["message"] == "completed"
+
+
 def test_over_a_parameter():
     gaps = np.array([-2.0, -0.5, 0.0, 0.9, 2.0])
     found = ns.contact_statistics(wave(), "g", gaps, of="force", **QUICK)

@@ -105,9 +105,56 @@ def test_threads_and_stores_change_nothing(tmp_path, start):
         ns.waterfall(*call, **options, store=tmp_path / "s", window="boxcar")
 
 
+def test_a_transient_is_told():
+    """A decaying transient, whose line is at the natural frequency, is no motion with a period.
+
+    From rest it decays as exp(-c t/2) beside a circle of its size. After 20 periods of 2 pi/1.7
+    that is 0.69 for c = 0.01, and 1e-16 for c = 1; after 1200 periods it is 3e-10 for c = 0.01.
+    """
+    calls = shaft(), "c", [0.01, 1.0], ("x", "y")
+    options = {"record": 24, "samples_per_period": 12}
+    early = ns.waterfall(*calls, transient=20, **options)
+    assert float(early["amplitude"][0].sel(harmonic=1 / 1.7, method="nearest")) > 0.01
+    assert early["motion_period"].values.tolist() == [0, 1]
+    assert early.attrs["message"] == (
+        "completed; 1 of 2 motions have not settled to a period of at most 12 within 44 periods:"
+        " chaos, a longer period or a long transient, which a larger transient= or regime tells"
+    )
+    late = ns.waterfall(*calls, transient=1200, **options)
+    assert float(late["amplitude"][0].sel(harmonic=1 / 1.7, method="nearest")) < 1e-8
+    assert late["motion_period"].values.tolist() == [1, 1]
+    assert late.attrs["message"] == "completed"
+
+
+def test_periods_of_motions():
+    """A circle has the period of its strobes, or none where these are in no whole ratio to it."""
+    free = ns.System(
+        states=["x", "y"], parameters={"n": 3.0}, equations={"x": "-y", "y": "x"},
+        initial={"x": 0.4, "y": 0.3},
+    )  # fmt: skip
+    chosen = ns.StroboscopicMap(free, period="2*pi/n")
+    found = ns.waterfall(chosen, "n", [1.0, 2.0, 3.0, np.sqrt(2.0)], "x", **QUICK)
+    assert found["motion_period"].values.tolist() == [1, 2, 3, 0]
+    assert "1 of 4 motions have not settled to a period of at most 4" in found.attrs["message"]
+    short = ns.waterfall(chosen, "n", [1.0], "x", record=1)
+    assert short.attrs["message"] == (
+        "completed; record = 1 is too short to tell whether motions settled"
+    )
+
+
+def test_periods_are_those_of_the_diagram():
+    call = (ns.models.rotor(), "eta", np.linspace(2.2, 3.4, 13))
+    options = {"transient": 200, "record": 16, "start": "follow up"}
+    found = ns.waterfall(*call, "x", **options)
+    periods = ns.bifurcation_diagram(*call, **options)["period"].isel(lane=0)
+    np.testing.assert_array_equal(found["motion_period"], periods)
+    assert {0, 1} <= set(found["motion_period"].values.tolist())  # chaos too
+
+
 def test_values_that_are_refused():
     found = ns.waterfall(shaft(), "w", [-1.0, 1.0], "x", **QUICK)
     assert found["status"].values.tolist() == ["refused", "completed"]
+    assert found["motion_period"].values.tolist() == [0, 1]
     assert np.all(np.isnan(found["amplitude"][0]))
     assert found.attrs["message"] == "some motions ended early, see status: refused"
 

@@ -70,6 +70,33 @@ def test_a_mode_shape_is_deflected_most_at_its_largest_entry(rotor):
         assert ax.get_title(loc="left").startswith(f"mode {number}: ")
 
 
+def test_forward_and_backward_whirl_look_different(rotor):
+    """With gyroscopic moments and unequal bearings, modes of both senses are ellipses."""
+    modes = natural_modes(rotor, 2000.0, count=4)
+    senses = modes["direction"].values.tolist()
+    assert {"forward", "backward"} <= set(senses)
+    for ax, sense in zip(ns.plot.mode_shapes(modes), senses, strict=True):
+        x, y = (line.get_ydata() for line in ax.lines if line.get_marker() == ".")
+        k = np.argmax(np.abs(x))
+        if sense in ("forward", "backward"):
+            assert np.sign(x[k] * y[k]) == (1.0 if sense == "forward" else -1.0)
+
+
+@pytest.mark.parametrize(
+    ("y", "drawn"),
+    [(-0.5j, 0.5), (0.5j, -0.5), (0.5, 0.5), (-0.5, -0.5), (-0.5 + 0.1j, -abs(-0.5 + 0.1j))],
+)
+def test_the_sign_of_a_shape_is_that_a_quarter_of_a_turn_later(rotor, y, drawn):
+    """Forward whirl is x = cos t, y = sin t: the real part of (1, -i) exp(it)."""
+    modes = natural_modes(rotor, 500.0, count=1).copy(deep=True)
+    for turn in (1.0, np.exp(2.0j)):  # the phase of a shape means nothing
+        modes["shape"][:] = 0.0
+        modes["shape"].loc[{"coordinate": ["2x", "2y"]}] = turn * np.array([[1.0], [y]])
+        (ax,) = ns.plot.mode_shapes(modes)
+        lines = {line.get_label(): line.get_ydata()[2] for line in ax.lines[1:]}
+        assert lines == pytest.approx({"x": 1.0, "y": drawn}, abs=1e-12)
+
+
 def test_coordinates_without_directions_are_drawn_in_their_order():
     chain = ns.Structure(np.eye(3), 2 * np.eye(3) - np.eye(3, k=1) - np.eye(3, k=-1))
     (ax,) = ns.plot.mode_shapes(natural_modes(chain), 2)

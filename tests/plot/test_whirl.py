@@ -114,9 +114,42 @@ def test_a_cascade_says_how_many_spectra_it_draws(spectra, ax):
     many = many.assign_coords(parameter=np.linspace(2.0, 3.0, 120))
     ns.plot.waterfall(many, ax=ax, orders=False)
     assert len(ax.lines) == 40
-    assert ax.get_ylabel().endswith("(40 of 120 drawn)")
+    assert "(40 of 120 drawn" in ax.get_ylabel()
     few = ns.plot.waterfall(spectra, orders=False)
     assert "drawn" not in few.get_ylabel()
+
+
+@pytest.mark.parametrize("kind", ["cascade", "map"])
+@pytest.mark.parametrize("over", ["frequency", "harmonic"])
+def test_orders_reach_over_the_whole_axis(spectra, kind, over):
+    """A speed of eta has the order n at n eta/(2 pi), also beyond the first and last spectrum."""
+    ax = ns.plot.waterfall(spectra, kind=kind, over=over)
+    marks = [line for line in ax.lines if line.get_linestyle() == "--"]
+    assert len(marks) == 10
+    for line, order in zip(marks, [-5, -4, -3, -2, -1, 1, 2, 3, 4, 5], strict=True):
+        x, y = line.get_data()
+        assert (y[0], y[-1]) == pytest.approx(ax.get_ylim(), rel=1e-12)
+        wanted = order * (y / (2.0 * np.pi) if over == "frequency" else np.ones(y.size))
+        np.testing.assert_allclose(x, wanted, rtol=1e-9)
+
+
+def test_the_highest_order_is_seen_as_a_whole(spectra, ax):
+    """The main lobe of the Hann window is two lines wide on each side; 12 periods are recorded."""
+    ns.plot.waterfall(spectra, ax=ax, kind="map", over="harmonic", highest=4.0)
+    low, high = ax.get_xlim()
+    assert -low == high > 4.0 + 1.0 / 12.0
+    assert ax.get_xlabel().startswith("order")
+
+
+@pytest.mark.parametrize("kind", ["cascade", "map"])
+def test_a_waterfall_says_how_many_motions_show_no_period(spectra, kind):
+    plain = spectra["parameter"].attrs["long_name"]
+    for periods, text in (([1, 0, 2, 0, 0], " (3 of 5 without a period)"), ([1, 1, 2, 3, 1], "")):
+        data = spectra.assign(motion_period=("parameter", periods))
+        label = ns.plot.waterfall(data, kind=kind).get_ylabel().replace("\n", " ")
+        assert label == plain + text
+    tracked = ns.plot.waterfall(spectra.drop_vars("motion_period"), kind=kind)
+    assert tracked.get_ylabel() == plain
 
 
 def test_map_of_colours(spectra, ax):
@@ -125,7 +158,7 @@ def test_map_of_colours(spectra, ax):
     assert isinstance(mesh.norm, LogNorm)
     # the line of the first order lies in the cells of the first order
     line = next(each for each in ax.lines if each.get_xdata()[0] > 0)
-    np.testing.assert_allclose(line.get_xdata(), spectra["parameter"] / (2 * np.pi))
+    np.testing.assert_allclose(line.get_xdata()[1:-1], spectra["parameter"] / (2 * np.pi))
     corners = mesh.get_coordinates()
     place = int(np.flatnonzero(np.isclose(spectra["harmonic"], 1.0))[0])
     shown = spectra["harmonic"].values[np.abs(spectra["frequency"].values).min(axis=0) >= 0]

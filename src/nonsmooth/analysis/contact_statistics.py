@@ -95,7 +95,7 @@ def contact_statistics(
         none. Of every variable asked for ``_mean``, ``_rms``, ``_min`` and ``_max`` with
         ``_min_error`` and ``_max_error``, the variable's mean over the time of contact,
         ``_in_contact``, and over ``percentile`` also ``_percentile``, as in ``force_max``; then
-        ``status``.
+        ``motion_period``, see notes, and ``status``.
 
     Raises
     ------
@@ -117,6 +117,12 @@ def contact_statistics(
     until the last terms are 1e-10 of its largest value; these terms are the error that is told with
     the extremes. A variable that jumps or has a corner within a mode has a larger one.
     Percentiles are read off 32 values of each piece.
+
+    The ``motion_period``, in periods of the forcing, is found as in `bifurcation_diagram`: strobes
+    repeat after it to 1e-6 of the size of each state. It is at most half of ``record``. Motions
+    with a 0 are chaotic or quasi-periodic, have a longer period, or still hold a transient, which
+    then is in the numbers too. The message says how many there are. A larger ``transient`` takes a
+    transient away, `regime` tells chaos.
 
     Examples
     --------

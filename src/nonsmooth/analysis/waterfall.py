@@ -17,6 +17,7 @@ from nonsmooth.analysis.sweeps.settled import SweptMotion
 from nonsmooth.analysis.sweeps.sweep import (
     SweepProtocol,
     make_sweep,
+    motion_periods,
     parameter_coordinate,
     run_sweep,
     stacked,
@@ -111,7 +112,7 @@ def waterfall(
         ``frequency`` in cycles per unit time. Of a single segment also ``phase``: a line is
         ``amplitude*cos(2*pi*harmonic*t/period + phase)``, or the circle whose real part that is,
         with t from the beginning of the record, which is that of a period. Over ``parameter``:
-        ``period`` in time, and ``status``.
+        ``period`` of the forcing in time, ``motion_period``, see notes, and ``status``.
 
     Raises
     ------
@@ -125,6 +126,14 @@ def waterfall(
     --------
     order_tracking : spectra along one run whose speed changes.
     bifurcation_diagram : the states at the strobes.
+
+    Notes
+    -----
+    The ``motion_period``, in periods of the forcing, is found as in `bifurcation_diagram`: strobes
+    repeat after it to 1e-6 of the size of each state. It is at most half of ``record``. Motions
+    with a 0 are chaotic or quasi-periodic, have a longer period, or still hold a transient, whose
+    lines at natural frequencies look like whirl. The message says how many there are. A larger
+    ``transient`` takes a transient away, `regime` tells chaos.
 
     References
     ----------
@@ -186,12 +195,13 @@ def waterfall(
         stacked(swept.found, "period", ()),
         stacked(swept.found, "phase", number.shape) if count == 1 else None,
     )
-    attrs = sweep_attributes(model, swept.found, swept.complete, sweep.options | options)
+    attrs = sweep_attributes(sweep, swept, sweep.options | options)
     result = waterfall_dataset(
         rows, names, [labels_of(model).attributes(name) for name in names],
         parameter_coordinate(model, parameter, swept.values),
         labels_of(model).attributes("time").get("units", ""), attrs | {"parameter": parameter},
     )  # fmt: skip
+    result["motion_period"] = motion_periods(swept.found)
     result["status"] = statuses(swept.found)
     return result
 

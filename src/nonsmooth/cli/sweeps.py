@@ -129,10 +129,8 @@ def _diagram_report(result: xr.Dataset) -> Report:
     motions = {"of_period": of_period, "of_no_period": unsettled}
     report.add("motions", ", ".join(texts or ["none settled"]), **motions)
     certified_runs(report, result)
-    _, _, doubt = attrs["message"].partition("; ")
-    # of an interrupted diagram the whole message is told at the end
-    if others and doubt and attrs["status"] != "interrupted":
-        report.add("message", doubt)
+    if others:
+        _say_restless(report, result)
     return report
 
 
@@ -241,7 +239,18 @@ def waterfall(task: Task) -> None:
     result = compute(system, parameter, values, variables, **options)
 
     task.picture("waterfall", result, kind=task["picture"], over=task["axis"])
-    task.finish(result, _waterfall_report(result), code=task.by_message(result))
+    report = _waterfall_report(result)
+    _say_restless(report, result)
+    complete = result.attrs["message"].startswith("completed")
+    task.finish(result, report, code=task.by_message(result, complete))
+
+
+def _say_restless(report: Report, result: xr.Dataset) -> None:
+    """Add how many motions have not settled, where there are some."""
+    _, _, doubt = result.attrs["message"].partition("; ")
+    # of an interrupted sweep the whole message is told at the end
+    if doubt and result.attrs["status"] != "interrupted":
+        report.add("message", doubt)
 
 
 def _waterfall_report(result: xr.Dataset) -> Report:
@@ -294,7 +303,10 @@ def contacts(task: Task) -> None:
         single(drawn, [*options["of"], *map(str, result.data_vars)])
 
     task.picture("statistics", result, drawn)
-    task.finish(result, _contacts_report(result), code=task.by_message(result))
+    report = _contacts_report(result)
+    _say_restless(report, result)
+    complete = result.attrs["message"].startswith("completed")
+    task.finish(result, report, code=task.by_message(result, complete))
 
 
 def _contacts_report(result: xr.Dataset) -> Report:

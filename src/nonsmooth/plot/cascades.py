@@ -31,6 +31,8 @@ _HEIGHT = 8.0  # of the highest line, in distances of spectra
 _MOST_MARKED = 12  # orders that are marked
 _DASHES = (0, (5.0, 15.0))  # and gaps between them, in widths of the line
 _LABEL = 2.8  # width of the name of an order, in letters
+_BESIDE = 1.04  # of the highest frequency or harmonic: a line there is seen as a whole
+_ORDER = "order (frequency over that of the forcing)"
 
 
 def check_drawing(chosen: Mapping[str, str]) -> None:
@@ -65,7 +67,8 @@ def waterfall(
     over : {"frequency", "harmonic"}, optional
         Frequency in cycles per unit time, or over that of the forcing.
     highest : float, optional
-        Highest frequency, or harmonic, to draw; five harmonics by default.
+        Highest frequency, or harmonic, to draw, five harmonics by default; the axis ends a little
+        beyond it, so that a line there is seen as a whole.
     height : float, optional
         How much of the parameter's axis the highest line takes; a cascade only.
     orders : bool, optional
@@ -84,14 +87,15 @@ def waterfall(
     Notes
     -----
     Of more than 50 spectra a cascade draws every second, or third, and so on, and says so beside
-    the axis.
+    the axis. There you also read how many motions show no period: some of their lines may be those
+    of transients, see `nonsmooth.waterfall`.
 
     Examples
     --------
     >>> import numpy as np
     >>> import nonsmooth as ns
     >>> spectra = ns.waterfall(
-    ...     ns.models.soft_impact(), "omega", np.linspace(0.7, 0.9, 9), "x", record=16
+    ...     ns.models.soft_impact(), "omega", np.linspace(0.7, 0.76, 4), "x", transient=400
     ... )
     >>> ax = ns.plot.waterfall(spectra)
     >>> ax.get_xlabel(), ax.get_ylabel()
@@ -114,21 +118,26 @@ def waterfall(
     two_sided = float(data["harmonic"].min()) < 0.0
     ax.set_xlim(-last if two_sided else 0.0, last)
     upward, count = axis_label(data["parameter"]), data.sizes["parameter"]
+    said = []
     if kind == "cascade" and _drawn(count).size < count:
-        upward += f" ({_drawn(count).size} of {count} drawn)"
-    finish_axes(ax, axis_label(data[over]), upward)
+        said.append(f"{_drawn(count).size} of {count} drawn")
+    if "motion_period" in data and (restless := int((data["motion_period"] == 0).sum())):
+        said.append(f"{restless} of {count} without a period")
+    if said:
+        upward += f" ({', '.join(said)})"
+    finish_axes(ax, _ORDER if over == "harmonic" else axis_label(data[over]), upward)
     return ax
 
 
 def _last(data: xr.Dataset, over: str, highest: float | None) -> float:
-    """Highest frequency or harmonic to draw."""
+    """How far to draw: a little beyond the highest frequency or harmonic."""
     largest = float(data[over].max())
     if highest is not None:
         if not float(highest) > 0.0:
             raise OptionError(f"highest = {highest!r:.60} must be positive")
-        return min(largest, float(highest))
+        return min(largest, _BESIDE * float(highest))
     unit = 1.0 if over == "harmonic" else float((1.0 / data["period"]).max())
-    return min(largest, _ORDERS * unit * 1.04)
+    return min(largest, _BESIDE * _ORDERS * unit)
 
 
 def _places(data: xr.Dataset, over: str) -> Floats:
@@ -209,16 +218,30 @@ def _row_edges(column: Floats) -> Floats:
     return np.concatenate([[2.0 * column[0] - middle[0]], middle, [2.0 * column[-1] - middle[-1]]])
 
 
+def _over_the_axis(data: xr.Dataset, over: str, low: float, top: float) -> tuple[Floats, Floats]:
+    """Values of the parameter and the first order at each, from one end of the axis to the other.
+
+    The order goes straight on beyond the first and the last spectrum.
+    """
+    values, first = np.unique(data["parameter"].values, return_index=True)
+    forcing = 1.0 / data["period"].values[first]
+    unit = np.ones(values.size) if over == "harmonic" else forcing
+    whole = np.concatenate([[low], values, [top]])
+    if values.size == 1:
+        return whole, np.pad(unit, 1, mode="edge")
+    steps = np.gradient(unit, values)[[0, -1]] * (whole[[0, -1]] - values[[0, -1]])
+    return whole, np.concatenate([unit[:1] + steps[:1], unit, unit[-1:] + steps[1:]])
+
+
 def _mark_orders(data: xr.Dataset, ax: Axes, over: str, last: float) -> None:
     """Dashes along the harmonics of the forcing, far apart, with their numbers above.
 
     Lines of spectra lie on them, and are to be seen between the dashes.
     """
-    values, forcing = data["parameter"].values, 1.0 / data["period"].values
-    unit = np.ones(values.size) if over == "harmonic" else forcing
+    low, top = ax.get_ylim()
+    values, unit = _over_the_axis(data, over, low, top)
     two_sided = float(data["harmonic"].min()) < 0.0
-    most = min(int(last / unit.max() * (1.0 + 1e-9)), _MOST_MARKED)
-    top = ax.get_ylim()[1]
+    most = min(int(last / unit[1:-1].max() * (1.0 + 1e-9)), _MOST_MARKED)
     size = float(ax.xaxis.label.get_fontsize()) - 1.5
     figure = ax.get_figure(root=True)
     assert figure is not None
@@ -229,7 +252,7 @@ def _mark_orders(data: xr.Dataset, ax: Axes, over: str, last: float) -> None:
             order * unit, values, color=PALETTE["blue"], linestyle=_DASHES, linewidth=0.6,
             zorder=3,
         )  # fmt: skip
-        place = order * float(unit[-1])
+        place = float(np.clip(order * unit[-1], -last, last))
         if (abs(order) - 1) % every:
             continue
         ax.annotate(

@@ -22,6 +22,7 @@ __all__ = ["mode_shapes"]
 _MOST = 4  # panels of one picture by default
 _PANEL = 3.2  # height in centimetres
 _DIRECTIONS = "xyz"
+_STILL = 1e-6  # of the largest deflection: rounding, which has no sign
 
 
 @checked
@@ -51,10 +52,11 @@ def mode_shapes(
     Returns
     -------
     list of matplotlib.axes.Axes
-        Axes for each mode, with its frequency, damping ratio and sense of whirl above. Each
-        direction is drawn at the instant at which it is deflected most: in whirl these differ by a
-        quarter of a turn. Where coordinates are not named by node and direction, they are drawn in
-        their order.
+        Axes for each mode, with its frequency, damping ratio and sense of whirl above. The first
+        direction is drawn at the instant at which it is deflected most, each other one at its own
+        such instant that is nearest to a quarter of a turn later. So in forward whirl x and y are
+        deflected to the same side, in backward whirl to opposite sides. Where coordinates are not
+        named by node and direction, they are drawn in their order.
 
     Raises
     ------
@@ -118,16 +120,28 @@ def _groups(names: list[str]) -> tuple[list[str], str, dict[str, list[tuple[int,
     return nodes, "node", directions
 
 
+def _is_against(deflection: complex) -> bool:
+    """Whether a deflection is negative a quarter of a turn later, or where it is zero then, now."""
+    later = -deflection.imag
+    return bool((later if abs(later) > _STILL * abs(deflection) else deflection.real) < 0.0)
+
+
 def _draw(panel: Axes, mode: xr.Dataset, groups: Any, positions: Any) -> None:
     nodes, _, directions = groups
     places = np.arange(len(nodes)) if positions is None else np.asarray(positions, dtype=float)
     panel.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
     shape = mode["shape"].values
     whole = np.abs(shape[[i for each in directions.values() for _, i in each]]).max()
+    first = None
     for style, (direction, pairs) in zip(LINES, directions.items(), strict=False):
         at, values = places[[node for node, _ in pairs]], shape[[i for _, i in pairs]]
         largest = values[np.argmax(np.abs(values))]
-        turned = (values * np.exp(-1j * np.angle(largest))).real / (whole or 1.0)
+        instant = np.angle(largest)
+        if first is not None and _is_against(largest * np.exp(-1j * first)):
+            instant += np.pi
+        if first is None and np.abs(largest) > _STILL * whole:
+            first = instant
+        turned = (values * np.exp(-1j * instant)).real / (whole or 1.0)
         panel.plot(at, turned, **style, marker=".", markersize=3.0, label=direction)
     words = [f"mode {int(mode['mode'])}: {float(mode['frequency']):.4g} Hz"]
     words.append(f"damping ratio {float(mode['damping_ratio']):.2g}")

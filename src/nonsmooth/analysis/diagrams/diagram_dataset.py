@@ -9,8 +9,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look
+from nonsmooth.analysis.diagrams.strobe_periods import said_of_restless
 from nonsmooth.analysis.options import result_attributes
-from nonsmooth.analysis.statistics.periodicity import REPEATS
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.labels import labels_of
 
@@ -123,12 +123,10 @@ def _message(protocol: DiagramProtocol, looks: list[Look]) -> str:
     if not restless:
         return "completed"
     length = min(one.transient for one in restless) + protocol.record
-    half = protocol.record // REPEATS
-    return (
-        f"completed; {len(restless)} of {len(looks)} motions have not settled to a period of at"
-        f" most {half} within {length} {protocol.unit}s: chaos, a longer period or a long"
-        " transient, which a larger longest= or regime tells"
+    said = said_of_restless(
+        len(restless), len(looks), protocol.record, length, protocol.unit, "longest"
     )
+    return f"completed; {said}"
 
 
 def _said_of_events(protocol: DiagramProtocol, looks: list[Look], event: str) -> str:

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.columns import DiagramProtocol, Look, nothing
-from nonsmooth.analysis.exponents.interval_tangents import IntervalTangents, Strobe
+from nonsmooth.analysis.diagrams.strobe_periods import strobe_periods
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
-from nonsmooth.analysis.statistics.periodicity import settled_periods, whole_periods
-from nonsmooth.analysis.statistics.rest import comes_to_rest, natural_sizes
+from nonsmooth.analysis.statistics.periodicity import whole_periods
 from nonsmooth.engine.status import Status
-from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.outputs import SweptClock, output_values
-from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.sweep_runner import Recorded
 
 __all__ = ["strobe_looks"]
@@ -54,51 +50,7 @@ class _Judged:
         self._transient = transient
         self._done = recorded.statuses == Status.COMPLETED
         self._passed = PassedEvents(protocol.system, recorded)
-        self._period = np.zeros(group.count, np.int64)
-        self._period[self._done] = settled_periods(
-            recorded.states[self._done], protocol.drifting, protocol.match
-        )
-        self._period[self._resting()] = 1
-
-    def _resting(self) -> Bools:
-        """Which motions have died away, or without forcing come to rest, (K,).
-
-        What decays to zero repeats to no part of its own size, and rounding has other periods.
-        """
-        recorded, group, match = self._recorded, self._group, self._protocol.match
-        still, found = ~self._protocol.drifting, np.zeros(self._period.size, bool)
-        open_yet = self._done & (self._period != 1)
-        if not np.any(open_yet) or not np.any(still):
-            return found
-        driven = is_driven(group.runner.tables(0))
-        states, tangents = recorded.states[..., still], IntervalTangents(group)
-        begun = self._begun()[:, still]
-        ranges, largest = np.ptp(states, axis=1), np.abs(states).max(axis=1)
-        sizes, left = np.maximum(largest, begun), largest if driven else ranges
-        first = np.full(open_yet.size, -recorded.states.shape[1])
-        events, _ = self._passed.counts(self._passed.between(first))
-        # states that began with a size say whether it may be so, their rates afterwards
-        faded = np.any(begun > 0.0, axis=1) & np.all(
-            (left <= match**2 * sizes) | (begun == 0.0), axis=1
-        )
-        maybe = faded | (np.any(ranges <= match * sizes, axis=1) & (not driven))
-        for i in np.flatnonzero(open_yet & maybe).tolist():
-            instant = Instant(int(recorded.numbers[i, -1]), float(recorded.phases[i, -1]))
-            strobe = Strobe(recorded.states[i, -1], int(recorded.modes[i, -1]), instant)
-            block_over = partial(tangents.over_part, i, strobe)
-            natural = natural_sizes(sizes[i], block_over)
-            found[i] = faded[i] and bool(np.all(left[i] <= match**2 * natural))
-            if not driven and not found[i]:
-                found[i] = comes_to_rest(
-                    states[i], ranges[i], natural, block_over(1.0), match, passes=events[i] > 0
-                )
-        return found
-
-    def _begun(self) -> Floats:
-        """Sizes of the states at the start of each motion, (K, n)."""
-        n = self._recorded.states.shape[2]
-        states = [np.zeros(n) if each is None else each.state for each in self._group.starts]
-        return np.nan_to_num(np.abs(np.array(states)))  # a state that is left out begins at rest
+        self._period = strobe_periods(group, recorded, self._passed, protocol.match)
 
     def looks(self) -> list[Look]:
         """A look for each motion."""

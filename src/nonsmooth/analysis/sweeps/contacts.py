@@ -14,6 +14,7 @@ from nonsmooth.analysis.sweeps.settled import SweptMotion
 from nonsmooth.analysis.sweeps.sweep import (
     SweepProtocol,
     Swept,
+    motion_periods,
     parameter_coordinate,
     stacked,
     statuses,
@@ -177,11 +178,12 @@ def contact_dataset(sweep: SweepProtocol, parameter: str, swept: Swept, asked: A
         dims = ("parameter", "percentile") if over else ("parameter",)
         shape = asked.percentiles.shape if over else ()
         variables[name] = (dims, stacked(swept.found, name, shape), attributes)
+    variables["motion_period"] = motion_periods(swept.found)
     variables["status"] = statuses(swept.found)
     coords = {
         "parameter": parameter_coordinate(sweep.system, parameter, swept.values),
         "percentile": (("percentile",), asked.percentiles, {"long_name": "part of the time in %"}),
     }
     options = {"parameter": parameter} | sweep.options | asked.options
-    attributes = sweep_attributes(sweep.system, swept.found, swept.complete, options)
+    attributes = sweep_attributes(sweep, swept, options)
     return xr.Dataset(variables, coords, attributes)

@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.diagrams.strobe_periods import strobe_periods
+from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant, instants
@@ -20,6 +22,8 @@ __all__ = ["Events", "Samples", "SweptMotion", "reduce_settled"]
 Arrays = dict[str, npt.NDArray[Any]]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
+
+_MATCH = 1e-6  # part of the size of a state to which strobes repeat, as a diagram has it
 
 
 class Samples(NamedTuple):
@@ -100,24 +104,28 @@ class SweptMotion:
 
 
 def reduce_settled(
-    reduce: Callable[[SweptMotion], Arrays], last: int, group: Group, recorded: Recorded
+    reduce: Callable[[SweptMotion], Arrays],
+    transient: int,
+    record: int,
+    group: Group,
+    _: Recorded,
 ) -> list[Arrays]:
-    """What ``reduce`` makes of each motion of a group that is run on to iterate ``last``.
+    """What ``reduce`` makes of each motion of a group that is run on through its record.
 
-    There is its ``status`` too, and nothing else where a motion has ended early.
+    There is its ``status`` too, and its ``motion_period``, 0 where its strobes show none.
+    Nothing but the status is there where a motion has ended early.
     """
     begun = group.motions.select(np.arange(group.count))
-    ends = group.iterates(last, 1)
-    times = Times(
-        np.concatenate([recorded.numbers, ends.numbers], axis=1),
-        np.concatenate([recorded.phases, ends.phases], axis=1),
-    )
+    times = group.iterates(transient, record + 1)
     passed = group.run(times)
+    periods = strobe_periods(group, passed, PassedEvents(group.system, passed), _MATCH)
     found: list[Arrays] = []
     for i, status in enumerate(passed.statuses.tolist()):
         found.append({"status": np.array(status)})
         if status == Status.COMPLETED:
-            begin, end = zip(times.numbers[i].tolist(), times.phases[i].tolist(), strict=True)
-            settled = SweptMotion(group, begun, i, Instant(*begin), Instant(*end), passed)
-            found[-1] |= reduce(settled)
+            begin, end = (
+                Instant(int(times.numbers[i, k]), float(times.phases[i, k])) for k in (0, -1)
+            )
+            settled = SweptMotion(group, begun, i, begin, end, passed)
+            found[-1] |= {"motion_period": np.array(periods[i])} | reduce(settled)
     return found

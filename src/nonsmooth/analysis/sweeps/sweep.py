@@ -11,8 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import End, check_way, links_of, pack_end, take_end
+from nonsmooth.analysis.diagrams.strobe_periods import said_of_restless
 from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.analysis.settle import ParameterSets, at_time_zero, said_of_start, settle
+from nonsmooth.analysis.statistics.periodicity import REPEATS
 from nonsmooth.analysis.sweeps.settled import SweptMotion, reduce_settled
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
@@ -29,6 +31,7 @@ __all__ = [
     "SweepProtocol",
     "Swept",
     "make_sweep",
+    "motion_periods",
     "parameter_coordinate",
     "run_sweep",
     "stacked",
@@ -136,7 +139,7 @@ def run_sweep(
             sets=sets,
             which=places,
             times=lambda group: group.iterates(sweep.transient, 1),
-            reduce=partial(reduce_settled, reduce, sweep.transient + sweep.record),
+            reduce=partial(reduce_settled, reduce, sweep.transient, sweep.record),
             follow=partial(ends.get, i - 1) if follow else None,
             alone=follow,
         )
@@ -203,18 +206,39 @@ def stacked(found: Sequence[Arrays], name: str, shape: tuple[int, ...]) -> npt.N
     return rows
 
 
+def motion_periods(found: Sequence[Arrays]) -> Any:
+    """Period of each motion; 0 where its strobes show none, or where it ended early."""
+    periods = np.array([int(one.get("motion_period", 0)) for one in found], np.int64)
+    label = "period of the motion in periods of the forcing, 0 for none"
+    return ("parameter",), periods, {"long_name": label}
+
+
 def sweep_attributes(
-    system: System, found: Sequence[Arrays], complete: bool, options: Mapping[str, Any]
+    sweep: SweepProtocol, swept: Swept, options: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Attributes: the system, how it went, and the options."""
+    status = "completed" if swept.complete else "interrupted"
+    return result_attributes(sweep.system, status, _message(sweep, swept), options)
+
+
+def _message(sweep: SweepProtocol, swept: Swept) -> str:
+    """How the motions ended, and how many of them show no period."""
+    found = swept.found
     ended = {Status(int(one["status"])).word for one in found} - {Status.COMPLETED.word}
-    message = "completed"
-    if not complete:
-        message = (
+    if not swept.complete:
+        return (
             f"interrupted by the user; {len(found)} values are done and kept, the others are left"
             " out"
         )
-    elif ended:
+    message = "completed"
+    if ended:
         message = "some motions ended early, see status: " + ", ".join(sorted(ended))
-    status = "completed" if complete else "interrupted"
-    return result_attributes(system, status, message, options)
+    periods = [int(one["motion_period"]) for one in found if "motion_period" in one]
+    if sweep.record < REPEATS and periods:
+        return f"{message}; record = {sweep.record} is too short to tell whether motions settled"
+    if restless := periods.count(0):
+        length = sweep.transient + sweep.record
+        message += "; " + said_of_restless(
+            restless, len(periods), sweep.record, length, "period", "transient"
+        )
+    return message
