@@ -83,7 +83,7 @@ def test_energy_is_kept_without_damping_and_drive():
         ({"nu2": 0.0}, "ring='returns'"),
         ({"K": 0.0}, "K > 0"),
         ({"eta": 0.0}, "eta > 0"),
-        ({"ring": "flies"}, "'relaxes' or 'returns'"),
+        ({"ring": "flies"}, "'relaxes' or 'rides' or 'returns'"),
     ],
 )
 def test_values_that_no_rotor_has(changes, words):
