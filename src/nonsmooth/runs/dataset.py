@@ -194,8 +194,9 @@ def repeated_exit(labels: Labels, outcome: Outcome) -> str:
     for k in np.flatnonzero(rows["passes"] > PATH_LENGTH).tolist():
         row = rows[k]
         ways = exits_of_path(int(row["path"]), int(row["passes"]))
-        if len(set(ways)) == 1:
-            name = labels.paths[int(row["from_mode"]) * labels.width + ways[0]]
+        mode = int(row["from_mode"])
+        if len(set(ways)) == 1 and labels.leads_back(mode, ways[0]):
+            name = labels.paths[mode * labels.width + ways[0]]
             time = float(outcome.times(row["number"], row["phase"]))
             return (
                 f"the exit {name!r} fired {int(row['passes'])} times at one instant, at t ="

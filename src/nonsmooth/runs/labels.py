@@ -60,6 +60,10 @@ class Labels:
             "flag_meanings": " ".join(self.modes),
         }
 
+    def leads_back(self, mode: int, way: int) -> bool:
+        """Whether an exit of a mode leads back to that mode."""
+        return int(self._targets[mode, way]) == mode
+
     def path(self, mode: int, path: int, passes: int) -> str:
         """Names of the exits passed at one instant, joined by '>'."""
         names = []
