@@ -39,6 +39,16 @@ def test_without_friction_it_is_the_rotor():
     assert np.abs(one["x"].values - two["x"].values).max() < 1e-11
 
 
+def test_without_friction_its_ring_rides_as_that_of_the_rotor():
+    words = {"delta_x": 0.1, "delta_y": 0.0}
+    one, two = (
+        ns.simulate(system, periods=10) for system in (rotor(**words), snubber_rub(f=0, **words))
+    )
+    assert "riding" in ns.phase_word(one) and ns.phase_word(one) == ns.phase_word(two)
+    # rounding of other sums, times the growth of the tangent
+    assert np.abs(one["x"].values - two["x"].values).max() < 1e-10
+
+
 @pytest.mark.parametrize("delta", [0.0, 0.1])
 def test_a_quarter_turn_is_a_quarter_turn(delta):
     """The springs are alike in x and y, so motions turn with their start and eccentricity."""

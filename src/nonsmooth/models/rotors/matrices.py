@@ -82,11 +82,8 @@ def ring_words(x: str, y: str, ring: RingNames, *, rides: bool) -> dict[str, Any
     Preloads are called ``delta_x delta_y``; the force on the ring is ``Fx Fy``.
     """
     outputs = rotor_words({})["outputs"]
-    definitions = ring_texts(ring)
-    if not rides:
-        definitions.pop("push", None)
     return {
-        "definitions": definitions,
+        "definitions": ring_texts(ring, rides=rides),
         "outputs": {
             "x": x,
             "y": y,

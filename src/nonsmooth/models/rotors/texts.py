@@ -83,7 +83,7 @@ def _cells() -> dict[str, str]:
     }
 
 
-def ring_texts(ring: RingNames, along: tuple[str, str] = _NORMAL) -> dict[str, str]:
+def ring_texts(ring: RingNames, along: tuple[str, str] = _NORMAL, *, rides: bool) -> dict[str, str]:
     """Definitions of springs, force and energy of a ring; `along` is the direction of its force."""
     k, c = ring.stiffness, ring.damping
     texts = {
@@ -102,10 +102,12 @@ def ring_texts(ring: RingNames, along: tuple[str, str] = _NORMAL) -> dict[str, s
         "stored": f"0.5*{k}*(springs_x*sx**2 + 2*preload_x*sx - preload_x**2*(2 - springs_x)"
         " + springs_y*sy**2 + 2*preload_y*sy - preload_y**2*(2 - springs_y))",
     }
-    if c is not None:
+    if c is None:
+        return texts
+    texts["Fx"] += f" + {c}*springs_x*rate(sx)"
+    texts["Fy"] += f" + {c}*springs_y*rate(sy)"
+    if rides:
         px, py = (f"({text})" for text in along)
-        texts["Fx"] += f" + {c}*springs_x*rate(sx)"
-        texts["Fy"] += f" + {c}*springs_y*rate(sy)"
         # normal force over the gap of a rotor on a ring that its dampers hold back
         texts["push"] = (
             f"({c}*(nx*{ring.vx} + ny*{ring.vy}) + {k}*(nx*pull_x/springs_x + ny*pull_y/springs_y))"
@@ -234,7 +236,7 @@ def rotor_words(
         "parameters": {name: value for name, value in values.items() if name != "nu2" or relaxes},
         "require": require,
         "describe": {name: _LABELS[name] for name in _LABELS if name != "nu2" or relaxes},
-        "definitions": ring_texts(ring, along),
+        "definitions": ring_texts(ring, along, rides=riding),
         "outputs": {
             "ring_vx": "rate(sx)",
             "ring_vy": "rate(sy)",
