@@ -15,7 +15,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import ModelError
 from nonsmooth.matrix_files import read_archive
 from nonsmooth.models.rotors.matrices import matrix_rotor_words, square_matrix
-from nonsmooth.models.rotors.texts import rides
+from nonsmooth.models.rotors.texts import often_rides
 from nonsmooth.system.parts import Text
 from nonsmooth.system.system import System
 
@@ -226,7 +226,7 @@ class MatrixRotor:
             self.unbalance,
             np.asarray(self.load),
             damped,
-            rides(delta_x, delta_y),
+            often_rides(delta_x, delta_y),
         )
         parameters: Mapping[str, Text] = {
             "Omega": Omega,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from nonsmooth.models.rotors.texts import rides, rotor_words
+from nonsmooth.models.rotors.texts import often_rides, rotor_words
 from nonsmooth.system.parts import Text
 from nonsmooth.system.system import System
 
@@ -154,5 +154,5 @@ def rotor(
         "phi0": phi0,
     }
     if ring is None:
-        ring = "rides" if rides(delta_x, delta_y) else "relaxes"
+        ring = "rides" if often_rides(delta_x, delta_y) else "relaxes"
     return System(**rotor_words(values, relaxes=ring != "returns", riding=ring == "rides"))

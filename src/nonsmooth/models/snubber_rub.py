@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nonsmooth.models.rotors.texts import rides, rotor_words
+from nonsmooth.models.rotors.texts import often_rides, rotor_words
 from nonsmooth.system.parts import Exit, Text
 from nonsmooth.system.system import System
 
@@ -119,7 +119,7 @@ def snubber_rub(
         "phi0": phi0,
     }
     # friction tilts the force on the ring out of the normal
-    along, riding = ("nx - f*ny", "ny + f*nx"), rides(delta_x, delta_y)
+    along, riding = ("nx - f*ny", "ny + f*nx"), often_rides(delta_x, delta_y)
     base = rotor_words(values, along, riding=riding)
     slip = "eta*radius + nx*(vy - rate(sy)) - ny*(vx - rate(sx))"
     rolls = Exit("u", to="stop", name="rolling")

@@ -6,6 +6,7 @@ angles of these.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -111,7 +112,7 @@ def set_positive(thing: object, name: str) -> None:
     object.__setattr__(thing, name, value)
 
 
-class PrismaticBeam:
+class PrismaticBeam(ABC):
     """A beam with one section along its length, whose fields a dataclass has."""
 
     length: float
@@ -122,19 +123,19 @@ class PrismaticBeam:
     rotary_inertia: bool
 
     @property
+    @abstractmethod
     def area(self) -> float:
         """Area of the section in m^2."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def second_moment(self) -> float:
         """Second moment of area about the axis of bending, in m^4."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def _shear_coefficient(self) -> float:
         """Part of the area that carries shear."""
-        raise NotImplementedError
 
     @property
     def mass(self) -> float:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from nonsmooth.errors import ModelError
 from nonsmooth.models.rotors.matrices import ring_words
-from nonsmooth.models.rotors.texts import RingNames, rides
+from nonsmooth.models.rotors.texts import RingNames, often_rides
 from nonsmooth.structures.contributions import (
     Attachment,
     Contribution,
@@ -245,7 +245,7 @@ class SnubberRing:
         for key, label, require, reason in _SNUBBER:
             made.value(f"{name}_{key}", getattr(self, key), label.format(name), require, reason)
         _centre(made, name, self, state_name(at_x), state_name(at_y))
-        riding = place.one_ring and rides(self.preload_x, self.preload_y)
+        riding = place.one_ring and often_rides(self.preload_x, self.preload_y)
         # given names of their own below, as those of the texts
         ring = RingNames("k_s", "c_s", "gamma", "rotor_vx", "rotor_vy")
         words = ring_words(f"{name}_x", f"{name}_y", ring, rides=riding)

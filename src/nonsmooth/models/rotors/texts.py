@@ -11,7 +11,7 @@ from nonsmooth.system.parts import Exit, Mode, Text
 __all__ = [
     "RingNames",
     "first_guess",
-    "rides",
+    "often_rides",
     "ring_modes",
     "ring_texts",
     "rotor_words",
@@ -196,7 +196,7 @@ def with_flow(modes: Mapping[str, Mode], flow: Mapping[str, Text]) -> dict[str, 
     return {name: replace(mode, flow=dict(flow) | dict(mode.flow)) for name, mode in modes.items()}
 
 
-def rides(preload_x: Text, preload_y: Text) -> bool:
+def often_rides(preload_x: Text, preload_y: Text) -> bool:
     """Whether releases with these preloads often leave open what comes next: they are unequal."""
     try:
         return float(preload_x) != float(preload_y)
