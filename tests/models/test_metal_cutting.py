@@ -68,9 +68,9 @@ class Tool:
 
     def legs(self) -> dict[str, Leg]:
         # short names for what the table of legs below is made of
-        limit = lambda z: self.mu(z) * self.bite(z)  # noqa: E731
-        to = lambda name: lambda t, z: (name, z)  # noqa: E731
-        speed = lambda t, z: self.p["v0"] - z[2]  # noqa: E731
+        limit = lambda z: self.mu(z) * self.bite(z)  # noqa: E731 - a formula
+        to = lambda name: lambda t, z: (name, z)  # noqa: E731 - a formula
+        speed = lambda t, z: self.p["v0"] - z[2]  # noqa: E731 - a formula
         return {
             "cut": Leg(
                 self.rates(lambda z: (self.bite(z), limit(z))),
