@@ -8,7 +8,6 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +15,8 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, OptionError, ResultWarning, RunError, System
-from nonsmooth.cluster import claims as claims_file
-from nonsmooth.cluster.claims import Claims
 from nonsmooth.cluster.tile_store import TileStore
+from nonsmooth.runs.claims import Claims
 
 work_file = import_module("nonsmooth.cluster.work")  # the package has the verb by this name
 SHORT = {"transient": 30, "record": 20, "evidence": 20, "confirm": 0, "longest": 60}
@@ -227,10 +225,10 @@ def test_stores_of_other_versions_are_refused(tmp_path):
     with pytest.raises(OptionError, match=r"begun with nonsmooth 0\.0\.9"):
         plan(tmp_path)
     assert int(ns.cluster.progress(store)["tiles"]) == 6  # to read is allowed
-    for number in (0, 2):
+    for number in (0, 1, 3):
         change_plan(store, format=number)
         for verb in (ns.cluster.work, ns.cluster.progress, ns.cluster.open_map):
-            with pytest.raises(OptionError, match=rf"has the format {number}, .*reads 1; use"):
+            with pytest.raises(OptionError, match=rf"has the format {number}, .*reads 2; use"):
                 verb(store)
 
 
@@ -291,10 +289,10 @@ def test_a_folder_that_takes_no_files_is_told(tmp_path, monkeypatch):
 def test_a_tile_that_fails_is_recorded_and_the_others_go_on(tmp_path, whole, monkeypatch):
     store, compute = plan(tmp_path), work_file.tile_map
 
-    def faulty(question, rows, columns, runner, stop):
+    def faulty(question, levels, rows, columns, runner, stop):
         if (rows.start, columns.start) == (3, 0):
             raise ValueError("this tile is jinxed")
-        return compute(question, rows, columns, runner, stop)
+        return compute(question, levels, rows, columns, runner, stop)
 
     monkeypatch.setattr(work_file, "tile_map", faulty)
     job = ns.cluster.work(store, threads=2)
@@ -365,89 +363,15 @@ def test_faults_in_an_executor_come_out(tmp_path, monkeypatch):
 # ---------------------------------------------------------------- claims
 
 
-@pytest.fixture
-def two(tmp_path):
-    """A store and two workers of it, of which the first one gives no signs of life."""
-    store = TileStore.open(plan(tmp_path))
-    first, second = Claims(store, 0.2), Claims(store, 0.2)
-    (store.folder / "tiles" / "workers" / f"{first.worker}.json").write_text(
-        json.dumps({"place": "another machine", "process": 1})
-    )
-    return store, first, second
-
-
-def test_a_claim_holds_until_its_worker_is_silent(two):
-    store, first, second = two
-    tile = store.at(2)
-    assert first.take(tile) and not second.take(tile)
-    sign = store.folder / "tiles" / "workers" / f"{first.worker}.json"
-    for _ in range(4):  # longer than the patience, with signs of life
-        time.sleep(0.1)
-        os.utime(sign)
-        assert not second.take(tile)
-    time.sleep(0.25)
-    assert second.take(tile)
-    first.release(tile)  # of one that was only slow: the claim is not its own any more
-    assert claims_file._holder(store.folder / "tiles" / "claims" / tile.key) == second.worker
-    second.release(tile)
-    assert first.take(tile)
-
-
-def test_clocks_may_differ_by_hours(two):
-    """Only changes count, by the clock of who looks."""
-    store, first, second = two
-    tile = store.at(0)
-    assert first.take(tile)
-    sign = store.folder / "tiles" / "workers" / f"{first.worker}.json"
-    for hours in (-5, 7):
-        at = time.time() + 3600 * hours
-        os.utime(sign, (at, at))
-        assert not second.take(tile)
-    time.sleep(0.25)
-    assert second.take(tile)
-
-
-@pytest.mark.skipif(not Path("/proc/self/ns/pid").exists(), reason="only Linux tells processes")
-def test_the_claim_of_an_ended_process_of_this_machine_counts_no_more(two):
-    store, first, second = two
-    second.patience = 1e6
-    assert first.take(store.at(1))
-    sign = store.folder / "tiles" / "workers" / f"{first.worker}.json"
-    sign.write_text(json.dumps({"place": claims_file._place(), "process": 2**22 + 1}))
-    assert second.take(store.at(1))
-    assert not sign.exists()
-
-
-def test_a_claim_without_a_worker_counts_no_more(two):
-    store, first, second = two
-    assert first.take(store.at(1))
-    (store.folder / "tiles" / "workers" / f"{first.worker}.json").unlink()
-    assert second.take(store.at(1))
-    path = store.folder / "tiles" / "claims" / store.at(4).key
-    path.write_text("")  # its writer was killed between two steps
-    assert not second.take(store.at(4))
-    time.sleep(0.25)
-    assert second.take(store.at(4))
-
-
-def test_a_claim_that_was_made_anew_is_not_taken_away(two):
-    store, first, second = two
-    path = store.folder / "tiles" / "claims" / store.at(0).key
-    path.write_text("third")
-    second._take_away(path, first.worker)
-    assert path.read_text() == "third"
-    assert [each.name for each in path.parent.iterdir()] == [path.name]
-
-
 @pytest.mark.slow
 def test_tiles_of_a_living_worker_are_waited_for(tmp_path, whole):
     """And taken over when it falls silent, though somebody has claimed all of them."""
     store = plan(tmp_path)
     opened = TileStore.open(store)
-    gone = Claims(opened, 0.2)
+    gone = Claims(opened.job, 0.2)
     sign = store / "tiles" / "workers" / f"{gone.worker}.json"
     sign.write_text(json.dumps({"place": "another machine", "process": 1}))
-    assert all(gone.take(opened.at(number)) for number in range(6))
+    assert all(gone.take(opened.at(number).key) for number in range(6))
     assert int(ns.cluster.progress(store)["claimed"]) == 6
     began = time.monotonic()
     job = ns.cluster.work(store, threads=2, patience=0.5)

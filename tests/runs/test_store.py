@@ -13,7 +13,8 @@ import pytest
 
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.runs.crew import run_tasks
-from nonsmooth.runs.store import Damaged, Store, read_arrays, run_stored_tasks, write_arrays
+from nonsmooth.runs.store import Damaged, Store, read_arrays, write_arrays
+from nonsmooth.runs.stored_tasks import run_stored_tasks
 
 ARRAYS = {
     "x": np.array([[1.0, np.nan], [-0.0, np.inf]]),

@@ -30,7 +30,7 @@ from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.section_runner import SectionRunner
 from nonsmooth.runs.start import check_carried, resolve_start
-from nonsmooth.runs.store import run_stored_tasks
+from nonsmooth.runs.stored_tasks import run_stored_tasks
 from nonsmooth.runs.sweep_runner import SweepRunner
 
 if TYPE_CHECKING:

@@ -11,14 +11,17 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import check_way
-from nonsmooth.analysis.regimes.border_refinement import refine_borders, refined_values
+from nonsmooth.analysis.regimes.border_refinement import (
+    check_levels,
+    refine_borders,
+    refined_values,
+)
 from nonsmooth.analysis.regimes.map_question import ask_map
 from nonsmooth.analysis.regimes.points import Plane
 from nonsmooth.analysis.regimes.regime_dataset import map_dataset
 from nonsmooth.analysis.settle import said_of_start
 from nonsmooth.errors import OptionError, is_known, unknown_choice
 from nonsmooth.runs.crew import check_threads
-from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -27,7 +30,6 @@ if TYPE_CHECKING:
 __all__ = ["regime_map"]
 
 _MOST = 2 * 10**6  # points; each computed one takes a kilobyte
-_LEVELS = 8
 _FILLS = ("labels", "motions")
 
 
@@ -166,7 +168,7 @@ def regime_map(
         match=match, parameters=parameters, tolerance=tolerance, mode=mode,
     )  # fmt: skip
     workers = check_threads(threads)
-    levels = _check_refine(refine)
+    levels = check_levels(refine)
     way = check_way(start)
     if levels and way != "restart":
         raise OptionError(
@@ -191,23 +193,13 @@ def regime_map(
         question.protocol, question.strobes, question.names, fine, initial, mode, tolerance,
         workers, store, way, options | question.told,
     )  # fmt: skip
-    filled = refine_borders(plane.keys, levels, plane.compute)
+    filled = refine_borders(plane.grid.keys, levels, plane.compute)
     if fill == "motions":
         # what an interruption leaves undone is missing, and not filled
         plane.compute(filled)
         filled = filled[:0]
-    plane.fill(filled)
-    return map_dataset(question.system, question.names, fine, plane.verdicts, filled, options)
-
-
-def _check_refine(refine: Any) -> int:
-    number = finite_number("refine", refine)
-    if number != int(number) or not 0 <= number <= _LEVELS:
-        raise OptionError(
-            f"refine = {refine!r:.60}: give how often cells are halved, a whole number from 0 to"
-            f" {_LEVELS}"
-        )
-    return int(number)
+    plane.grid.fill(filled)
+    return map_dataset(question.system, question.names, fine, plane.grid.verdicts, filled, options)
 
 
 def _maps_of_starts(

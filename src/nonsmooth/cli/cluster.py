@@ -92,14 +92,19 @@ def _job_report(job: xr.Dataset) -> Report:
     report = Report(str(job.attrs["store"]))
     message = str(job.attrs["message"])
     report.add("message", message, message=message, status=job.attrs["status"])
-    for name in ("tiles", "done", "claimed", "failed"):
-        report.number(name, job[name].item())
-    took, left = job["tile_seconds"].item(), job["time_left"].item()
-    report.data |= {"tile_seconds": took, "rate": job["rate"].item(), "time_left": left}
-    if took == took:
-        report.lines.append(("time of a tile", f"{took:.3g} s"))
+    for name in ("tiles", "tasks", "done", "claimed", "failed"):
+        if name in job:
+            report.number(name, job[name].item())
+    left = job["time_left"].item()
+    report.data |= {"rate": job["rate"].item(), "time_left": left}
+    if "tile_seconds" in job:
+        took = report.data["tile_seconds"] = job["tile_seconds"].item()
+        if took == took:
+            report.lines.append(("time of a tile", f"{took:.3g} s"))
     if left == left and left > 0.0:
         report.lines.append(("time left", f"{left:.3g} s"))
+    if "failed_tile" not in job:
+        return report
     columns = (("tile", "tile", str), ("reason", "reason", str))
     rows = zip(job["failed_tile"].values.tolist(), job["reason"].values.tolist(), strict=True)
     report.table("failures", columns, rows, _REASONS)

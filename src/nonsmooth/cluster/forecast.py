@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.options import check_seed
 from nonsmooth.cluster.plan_map import planned_question
-from nonsmooth.cluster.tile_map import verdicts_at
-from nonsmooth.cluster.tile_store import TileStore
+from nonsmooth.cluster.tile_map import tile_points
+from nonsmooth.cluster.tile_store import Tile, TileStore
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import check_threads, run_tasks
 from nonsmooth.runs.memory import size_text
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["forecast"]
 
 _TOGETHER = 16  # neighbours that are computed side by side, as in a tile
+_CELLS = 8  # along each side of a square that is refined as a tile is
 _LEAST = 8  # places of which a mean and its error tell something
 _WEIGHED = 64  # tiles that are done and whose size is read
 _UNITS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
@@ -107,7 +108,7 @@ def forecast(
     times = _times(opened, chosen, workers)
     left = sum(_points(opened, number) for number in range(opened.count) if number not in done)
     # of one thread; a place near the edge of a map has fewer points
-    counts = np.array([columns.size for _, columns in chosen])
+    counts = np.array([_area(*place) for place in chosen])
     each = times.sum() / counts.sum() if chosen else 0.0
     scatter = np.std(times - each * counts, ddof=1) if len(chosen) > 1 else 0.0
     error = float(scatter * np.sqrt(len(chosen)) / counts.sum()) if chosen else 0.0
@@ -133,7 +134,7 @@ def forecast(
     )  # fmt: skip
 
 
-Place = tuple[int, npt.NDArray[np.int64]]  # a row, and columns in it
+Place = tuple[slice, slice]  # rows and columns
 
 
 def _places(
@@ -154,24 +155,43 @@ def _places(
             number = row // store.tile * store.tiles[1] + column // store.tile
             if number in done:
                 continue
-            # the group of neighbours that holds it
-            begin = store.at(number).columns.start
-            first = begin + (column - begin) // _TOGETHER * _TOGETHER
-            last = min(first + _TOGETHER, store.at(number).columns.stop)
-            found[row, first] = (row, np.arange(first, last))
+            place = _around(store, store.at(number), row, column)
+            found[place[0].start, place[1].start] = place
     return list(found.values())
+
+
+def _around(store: TileStore, tile: Tile, row: int, column: int) -> Place:
+    """Neighbours of a point in its tile: those of its row, or a square of cells to be refined."""
+    across = _TOGETHER if store.levels == 0 else min(_CELLS * 2**store.levels, store.tile)
+    down = 1 if store.levels == 0 else across
+    top = tile.rows.start + (row - tile.rows.start) // down * down
+    left = tile.columns.start + (column - tile.columns.start) // across * across
+    return (
+        slice(top, min(top + down, tile.rows.stop)),
+        slice(left, min(left + across, tile.columns.stop)),
+    )
+
+
+def _overhang(store: TileStore) -> float:
+    """Points that a tile computes beyond its edges, and a place beyond its own: their ratio.
+
+    Per point inside; what is computed there costs as much as elsewhere.
+    """
+    if store.levels == 0:
+        return 1.0
+    step = 2**store.levels
+    side = min(_CELLS * step, store.tile)
+    return ((1.0 + step / store.tile) / (1.0 + step / side)) ** 2
 
 
 def _times(store: TileStore, places: list[Place], threads: int) -> Floats:
     """Seconds that each place takes, with all threads at work."""
-    question = planned_question(store)
-    first, second = question.values
+    question, share = planned_question(store), _overhang(store)
 
     def task(place: Place, runner: SweepRunner, stop: threading.Event) -> float:
-        row, columns = place
         began = time.perf_counter()
-        verdicts_at(question, first[columns], np.full(columns.size, second[row]), runner, stop)
-        return time.perf_counter() - began
+        tile_points(question, store.levels, *place, runner, stop)
+        return share * (time.perf_counter() - began)
 
     def runner() -> SweepRunner:
         return SweepRunner(question.system, question.tolerance)
@@ -193,7 +213,11 @@ def _times(store: TileStore, places: list[Place], threads: int) -> Floats:
 
 def _points(store: TileStore, number: int) -> int:
     tile = store.at(number)
-    return int((tile.rows.stop - tile.rows.start) * (tile.columns.stop - tile.columns.start))
+    return _area(tile.rows, tile.columns)
+
+
+def _area(rows: slice, columns: slice) -> int:
+    return int((rows.stop - rows.start) * (columns.stop - columns.start))
 
 
 def _size(store: TileStore, done: set[int]) -> tuple[float, bool]:

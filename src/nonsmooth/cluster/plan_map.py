@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.regimes.border_refinement import check_levels, refined_values
 from nonsmooth.analysis.regimes.map_question import MapQuestion, ask_map
 from nonsmooth.analysis.regimes.options import RegimeProtocol
 from nonsmooth.analysis.regimes.regime_dataset import map_dataset
@@ -36,6 +37,7 @@ def plan_map(
     over: Mapping[str, npt.ArrayLike],
     *,
     tile: int = 64,
+    refine: int = 0,
     initial: Mapping[str, float] | None = None,
     transient: int = 200,
     record: int = 100,
@@ -68,6 +70,10 @@ def plan_map(
     tile : int, optional
         Points along each side of a tile, which one thread computes at a time. A tile that its
         worker does not finish is begun anew.
+    refine : int, optional
+        How often cells of the map are halved where labels differ, as in `nonsmooth.regime_map`; the
+        points of a tile are then those of the refined map. ``tile`` is a multiple of 2 to this
+        power.
     initial : mapping of str to float, optional
         Initial state as in `simulate`, the same everywhere. States that are not given are those at
         rest, for each point anew.
@@ -115,9 +121,11 @@ def plan_map(
 
     Notes
     -----
-    A tile depends on no other one. So there are neither motions that follow each other along a row
-    (``start`` of `nonsmooth.regime_map`) nor refined borders (``refine``): every point is computed
-    from its own start.
+    A tile depends on no other one. So there are no motions that follow each other along a row
+    (``start`` of `nonsmooth.regime_map`): every point is computed from its own start. With
+    ``refine`` each tile halves its own cells. Where a label is found between two corners on the
+    edge of a tile, the cell beyond that edge is not halved for it, as `nonsmooth.regime_map` would
+    do. So a map may have some filled points more there; `computed` tells which these are.
 
     Examples
     --------
@@ -136,6 +144,12 @@ def plan_map(
     side = whole_number("tile", tile)
     if side > _LARGEST_TILE:
         raise OptionError(f"tile = {side} must be at most {_LARGEST_TILE}; 64 is usual")
+    levels = check_levels(refine)
+    if side % 2**levels:
+        raise OptionError(
+            f"tile = {side} and refine = {levels}: a tile is made of whole cells; give a multiple"
+            f" of {2**levels}"
+        )
     if initial is not None and (hasattr(initial, "data_vars") or not isinstance(initial, Mapping)):
         raise OptionError(
             "initial: give the states as numbers, such as {'x': 0.1, 'v': 0.0}; other processes"
@@ -146,18 +160,22 @@ def plan_map(
         evidence=evidence, longest=longest, confirm=confirm, phase=phase, period=period,
         match=match, parameters=parameters, tolerance=tolerance, mode=mode,
     )  # fmt: skip
-    shape = (question.values[1].size, question.values[0].size)
+    first, second = (refined_values(values, levels) for values in question.values)
+    question = replace(question, values=(first, second))
+    shape = (second.size, first.size)
     count = -(-shape[0] // side) * -(-shape[1] // side)
     if count > _MOST_TILES:
         raise OptionError(
             f"tile = {side}: {shape[1]} times {shape[0]} points are {count} tiles, at most"
             f" {_MOST_TILES:g}; take a larger tile="
         )
-    planned = make_store(store, _empty(question), _plan_of(question, side, shape))
+    planned = make_store(store, _empty(question, levels), _plan_of(question, side, levels, shape))
     return progress(planned.folder)
 
 
-def _plan_of(question: MapQuestion, side: int, shape: tuple[int, int]) -> dict[str, Any]:
+def _plan_of(
+    question: MapQuestion, side: int, levels: int, shape: tuple[int, int]
+) -> dict[str, Any]:
     """What a store keeps of a question, from which `planned_question` makes it again."""
     told = question.recorded | question.told
     period = question.period
@@ -166,6 +184,7 @@ def _plan_of(question: MapQuestion, side: int, shape: tuple[int, int]) -> dict[s
         "values": question.values,
         "shape": list(shape),
         "tile": side,
+        "levels": levels,
         "protocol": plain(told),
         "question": {
             "regime": asdict(question.protocol),
@@ -193,9 +212,9 @@ def planned_question(store: TileStore) -> MapQuestion:
     )
 
 
-def _empty(question: MapQuestion) -> xr.Dataset:
+def _empty(question: MapQuestion, levels: int) -> xr.Dataset:
     """The map with one point of which nothing is known; `work` writes the others."""
-    options = {"start": "restart", "initial": said_of_start(question.initial), "refine": 0}
+    options = {"start": "restart", "initial": said_of_start(question.initial), "refine": levels}
     options |= {"fill": "labels", **question.recorded}
     one = (question.values[0][:1], question.values[1][:1])
     empty = map_dataset(

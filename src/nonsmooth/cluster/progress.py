@@ -7,8 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.cluster.claims import is_recent
-from nonsmooth.cluster.tile_store import CLAIMS, TileStore
+from nonsmooth.cluster.task_progress import (
+    STATES,
+    is_folder_of_tasks,
+    message_of,
+    task_progress,
+)
+from nonsmooth.cluster.tile_store import TileStore
+from nonsmooth.runs.claims import CLAIMS, is_recent
 from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
@@ -16,28 +22,30 @@ if TYPE_CHECKING:
 
 __all__ = ["open_map", "progress", "progress_of"]
 
-_PATIENCE = 120.0  # seconds; network file systems show a change within one minute
-_STATES = ("missing", "claimed", "done", "failed")
 _TIMED = 256  # tiles of which the time is read
 
 
 def progress(store: str | Path) -> xr.Dataset:
-    """Tell how far a map in tiles is, from its store alone.
+    """Tell how far long work is, from its folder alone.
 
     Parameters
     ----------
     store : str or Path
-        Folder that `plan_map` has made.
+        Folder that `plan_map` has made, or that was given to a function as ``store=``.
 
     Returns
     -------
     xarray.Dataset
-        ``state`` over ``row`` and ``column`` of the tiles, with CF flags: ``missing``, ``claimed``
-        by a worker that gives signs of life, ``done``, ``failed``. The counts ``tiles``, ``done``,
-        ``claimed`` and ``failed``; ``tile_seconds``, the mean time of a tile that is done;
-        ``rate``, tiles per second while so many are claimed; and ``time_left`` in seconds, nan
-        where nobody is at work. ``reason``, over ``failure``: why the tiles of ``failed_tile``
-        failed. The attribute ``status`` is ``completed`` or ``incomplete``.
+        Of a map in tiles: ``state`` over ``row`` and ``column`` of the tiles, with CF flags:
+        ``missing``, ``claimed`` by a worker that gives signs of life, ``done``, ``failed``. The
+        counts ``tiles``, ``done``, ``claimed`` and ``failed``; ``tile_seconds``, the mean time of a
+        tile that is done; ``rate``, tiles per second while so many are claimed; and ``time_left``
+        in seconds, nan where nobody is at work. ``reason``, over ``failure``: why the tiles of
+        ``failed_tile`` failed. The attribute ``status`` is ``completed`` or ``incomplete``.
+
+        Of other work: ``state`` over ``task``, with the folder of each as ``part``; ``tasks``,
+        ``done``, ``claimed``, ``rate`` and ``time_left``. Work in steps, such as the refinement of
+        a map, has its next step only when it begins.
 
     Raises
     ------
@@ -64,6 +72,8 @@ def progress(store: str | Path) -> xr.Dataset:
     >>> int(job["tiles"]), int(job["done"])
     (2, 0)
     """
+    if is_folder_of_tasks(store):
+        return task_progress(Path(store))
     return progress_of(TileStore.open(store))
 
 
@@ -73,19 +83,19 @@ def progress_of(store: TileStore) -> xr.Dataset:
 
     done, failures = store.done(), store.failures()
     states = np.zeros(store.count, np.int8)
-    for path in (store.folder / CLAIMS).glob("[0-9]*.[0-9]*"):
+    for path in (store.job / CLAIMS).glob("[0-9]*.[0-9]*"):
         row, _, column = path.name.partition(".")
         number = int(row) * store.tiles[1] + int(column)
-        if number < store.count and is_recent(store, number, _PATIENCE):
-            states[number] = _STATES.index("claimed")
+        if number < store.count and is_recent(store.job, path.name):
+            states[number] = STATES.index("claimed")
     failed = sorted(set(failures) - done)
-    states[failed] = _STATES.index("failed")
-    states[sorted(done)] = _STATES.index("done")
-    claimed = int(np.count_nonzero(states == _STATES.index("claimed")))
+    states[failed] = STATES.index("failed")
+    states[sorted(done)] = STATES.index("done")
+    claimed = int(np.count_nonzero(states == STATES.index("claimed")))
     mean = _mean_time(store, sorted(done))
     left = store.count - len(done) - len(failed)
     rate = claimed / mean if claimed else np.nan
-    flags = {"flag_values": np.arange(4, dtype=np.int8), "flag_meanings": " ".join(_STATES)}
+    flags = {"flag_values": np.arange(4, dtype=np.int8), "flag_meanings": " ".join(STATES)}
     variables: dict[str, Any] = {
         "state": (("row", "column"), states.reshape(store.tiles), {"long_name": "state", **flags}),
         "tiles": ((), store.count, {"long_name": "tiles of the map"}),
@@ -98,7 +108,7 @@ def progress_of(store: TileStore) -> xr.Dataset:
         "failed_tile": ("failure", np.array(failed, np.int64), {"long_name": "number of a tile"}),
         "reason": ("failure", np.array([failures[each] for each in failed], str)),
     }
-    message = _message(store.count, len(done), claimed, len(failed))
+    message = message_of("tiles", store.count, len(done), claimed, len(failed))
     status = "completed" if len(done) == store.count else "incomplete"
     return xr.Dataset(variables, attrs={
         "store": str(store.folder), "status": status, "message": message,
@@ -113,15 +123,6 @@ def _mean_time(store: TileStore, done: list[int]) -> float:
     chosen = done[:: max(1, len(done) // _TIMED)]
     took = store.seconds(chosen)
     return float(np.nanmean(took)) if np.any(np.isfinite(took)) else float("nan")
-
-
-def _message(count: int, done: int, claimed: int, failed: int) -> str:
-    """How far it is, in words."""
-    if done == count:
-        return f"all {count} tiles are done"
-    more = [f"{number} {what}" for number, what in ((claimed, "under way"), (failed, "failed"))
-            if number]  # fmt: skip
-    return "; ".join([f"{done} of {count} tiles are done", *more])
 
 
 def open_map(store: str | Path) -> xr.Dataset:
@@ -184,5 +185,5 @@ def open_map(store: str | Path) -> xr.Dataset:
             ordered[name].attrs["flag_values"] = np.array(flags, np.int8)
     return ordered.assign_attrs(
         status="completed" if done == opened.count else "interrupted",
-        message=_message(opened.count, done, 0, 0),
+        message=message_of("tiles", opened.count, done, 0, 0),
     )

@@ -27,6 +27,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError
 from nonsmooth.files import replacing
+from nonsmooth.runs.claims import make_claim_folders
 from nonsmooth.runs.protocols import differences
 from nonsmooth.runs.store import trouble
 from nonsmooth.version import __version__
@@ -34,10 +35,9 @@ from nonsmooth.version import __version__
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["CLAIMS", "WORKERS", "Tile", "TileStore", "make_store", "need_zarr"]
+__all__ = ["Tile", "TileStore", "make_store", "need_zarr"]
 
-FORMAT = 1  # of the store
-CLAIMS, WORKERS = "tiles/claims", "tiles/workers"
+FORMAT = 2  # of the store
 _FAILURES = "tiles/failures"
 _PLAN, _SECONDS = "tiles", "tiles/seconds"
 _METADATA = "zarr.json"
@@ -67,9 +67,15 @@ class TileStore:
         self.plan = plan
         self.shape: tuple[int, int] = (plan["shape"][0], plan["shape"][1])
         self.tile: int = plan["tile"]
+        self.levels: int = plan["levels"]
         self.tiles = (-(-self.shape[0] // self.tile), -(-self.shape[1] // self.tile))
         self.count = self.tiles[0] * self.tiles[1]
         self._arrays: dict[str, Any] = {}
+
+    @property
+    def job(self) -> Path:
+        """Folder in which workers keep their claims."""
+        return self.folder / _PLAN
 
     @classmethod
     def open(cls, path: str | Path) -> TileStore:
@@ -293,7 +299,8 @@ def make_store(path: str | Path, empty: xr.Dataset, plan: dict[str, Any]) -> Til
 
 
 def _flat(plan: Mapping[str, Any]) -> dict[str, Any]:
-    return {**plan["protocol"], "tile": plan["tile"], "parameters": plan["names"]}
+    own = {"tile": plan["tile"], "refine": plan["levels"], "parameters": plan["names"]}
+    return {**plan["protocol"], **own}
 
 
 def _write(folder: Path, empty: xr.Dataset, plan: dict[str, Any]) -> None:
@@ -324,8 +331,8 @@ def _write(folder: Path, empty: xr.Dataset, plan: dict[str, Any]) -> None:
         compressors=codecs, dimension_names=("row", "column"),
         attributes={"long_name": "time the tile took; nan where it is not done", "units": "s"},
     )  # fmt: skip
-    for place in (CLAIMS, WORKERS, _FAILURES):
-        (folder / place).mkdir()
+    make_claim_folders(folder / _PLAN)
+    (folder / _FAILURES).mkdir()
 
 
 def _native(attributes: Mapping[Any, Any]) -> dict[str, Any]:

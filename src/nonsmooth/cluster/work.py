@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.cluster.claims import Claims
+from nonsmooth.cluster.executors import executor_of, lost_workers
 from nonsmooth.cluster.plan_map import planned_question
 from nonsmooth.cluster.progress import progress_of
 from nonsmooth.cluster.tile_map import tile_map
 from nonsmooth.cluster.tile_store import TileStore
-from nonsmooth.errors import NonsmoothError, OptionError, ResultWarning, RunError
+from nonsmooth.errors import NonsmoothError, OptionError, ResultWarning
+from nonsmooth.runs.claims import Claims
 from nonsmooth.runs.crew import Stopped, check_threads, run_tasks
 from nonsmooth.runs.options import check_flag, positive_number, whole_number
 from nonsmooth.runs.progress import Progress
@@ -124,14 +125,7 @@ def work(
     opened = TileStore.open(store)
     opened.check_version()
     chosen = _chosen(opened, tiles)
-    if executor is not None and client is not None:
-        raise OptionError("client: an executor is given too; give one of them")
-    if client is not None:
-        if not hasattr(client, "get_executor"):
-            raise OptionError(f"client = {client!r:.60}: give a Client of dask.distributed")
-        executor = client.get_executor(pure=False)  # a tile that is taken may be free later
-    elif executor is not None and not isinstance(executor, Executor):
-        raise OptionError(f"executor = {executor!r:.60}: give an Executor of concurrent.futures")
+    place = executor_of(executor, client)
     workers = check_threads(threads)
     limit = None if max_seconds is None else positive_number("max_seconds", max_seconds)
     deadline = np.inf if limit is None else time.monotonic() + limit
@@ -141,10 +135,10 @@ def work(
         if again:
             opened.forget_failures(chosen)
         _mend(opened, chosen, patient)
-        if executor is None:
+        if place is None:
             complete = _in_threads(opened, chosen, workers, patient, deadline)
         else:
-            complete = _in_executor(opened, chosen, executor, patient, deadline)
+            complete = _in_executor(opened, chosen, place, patient, deadline)
     found = progress_of(opened)
     return found if complete else found.assign_attrs(status="interrupted")
 
@@ -169,14 +163,14 @@ class TileWorker:
         store, tile = self.store, self.store.at(number)
         if store.is_done(tile):
             return DONE
-        if not self.claims.take(tile):
+        if not self.claims.take(tile.key):
             return TAKEN
         try:
             if store.is_done(tile):  # by one whose claim has just ended
                 return DONE
             began = time.perf_counter()
             try:
-                found = tile_map(self.question, tile.rows, tile.columns, runner, stop)
+                found = tile_map(self.question, store.levels, tile.rows, tile.columns, runner, stop)
             except Stopped:
                 raise
             except Exception as fault:
@@ -185,14 +179,14 @@ class TileWorker:
             store.put(tile, found, time.perf_counter() - began)
             return DONE
         finally:
-            self.claims.release(tile)
+            self.claims.release(tile.key)
 
 
 def _in_threads(
     store: TileStore, chosen: list[int], threads: int, patience: float, deadline: float
 ) -> bool:
     """Compute tiles in threads of this process; False where the user interrupted."""
-    with Claims(store, patience) as claims:
+    with Claims(store.job, patience) as claims:
         worker = TileWorker(store, claims)
 
         def task(number: int, runner: SweepRunner, stop: threading.Event) -> str:
@@ -252,11 +246,7 @@ def _outcome(store: TileStore, number: int, future: Future[str]) -> str:
     except (OSError, NonsmoothError):
         raise
     except (BrokenExecutor, CancelledError) as fault:
-        raise RunError(
-            f"the executor ended before the work did ({type(fault).__name__}: {fault}). What is"
-            " done is kept: give a new executor, and the same call goes on",
-            status="interrupted",
-        ) from fault
+        raise lost_workers(fault) from fault
     except Exception as fault:  # a worker of a cluster that was lost with this tile several times
         store.fail(store.at(number), fault)
         return FAILED
@@ -273,7 +263,7 @@ def _complete(path: str, identity: str, number: int, patience: float) -> str:
         if key not in _workers:
             store = TileStore.open(path)
             store.check_version()
-            claims = Claims(store, patience)
+            claims = Claims(store.job, patience)
             claims.begin()
             _workers[key] = TileWorker(store, claims)
     worker = _workers[key]
@@ -333,14 +323,14 @@ def _mend(store: TileStore, chosen: list[int], patience: float) -> None:
     suspects = [each for each in chosen if each in done and store.damaged(store.at(each))]
     if not suspects:
         return
-    with Claims(store, patience) as claims:
+    with Claims(store.job, patience) as claims:
         for tile in map(store.at, suspects):
-            if not claims.take(tile):
+            if not claims.take(tile.key):
                 continue
             if what := store.damaged(tile):
                 damaged.append(f"tile {store.number(tile)} ({what})")
                 store.forget(tile)
-            claims.release(tile)
+            claims.release(tile.key)
     if damaged:
         more = f" and {len(damaged) - _MOST_NAMED} more" if len(damaged) > _MOST_NAMED else ""
         warnings.warn(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
 from queue import Empty, SimpleQueue
@@ -16,10 +17,11 @@ from typing import Any, TypeVar
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.progress import Progress
 
-__all__ = ["Stopped", "check_threads", "run_tasks"]
+__all__ = ["Later", "Stopped", "check_threads", "run_tasks"]
 
 T = TypeVar("T")
 _ATTENTION = 0.05  # seconds after which an interruption is noticed
+_LATER = 1.0  # seconds after which a task that had to wait for others is begun again
 _AHEAD = 8  # tasks for each thread that are begun or have results which nobody took yet
 
 
@@ -29,6 +31,10 @@ class Stopped(Exception):
     def __init__(self, done: Any = None) -> None:
         super().__init__()
         self.done = done
+
+
+class Later(Exception):
+    """Raised in a task that others are doing; it is begun again after a while."""
 
 
 def check_threads(threads: Any) -> int:
@@ -50,16 +56,14 @@ def run_tasks(
     done: Collection[int] = (),
     after: Mapping[int, int] | None = None,
     keep_part: Callable[[int, T], None] | None = None,
-    measure: Callable[[], tuple[float, float]] | None = None,
 ) -> bool:
     """Run all tasks; ``keep`` is told the number and result of each as it comes.
 
     The tasks whose numbers are ``done`` are left out. A task with a number in ``after`` begins when
     the result of the task of that number has been kept. ``keep_part`` is told what a task had when
     it was stopped, see `Stopped`. Every thread makes a worker of its own, which its tasks get with
-    an event that is set when they should stop. The progress bar counts tasks, or shows what
-    ``measure`` says: how much is done, of how much. Returns False where the user interrupted; what
-    was kept stays.
+    an event that is set when they should stop. A task that raises `Later` is begun again after a
+    while. Returns False where the user interrupted; what was kept stays.
     """
     stop = threading.Event()
     # An interruption may come between any two steps of this thread. Queues that are C throughout
@@ -81,7 +85,9 @@ def run_tasks(
     crew = [threading.Thread(target=work, daemon=True) for _ in range(threads)]
     complete, done_so_far, under_way = True, len(done), 0
     ready, following = _in_order(len(tasks), done, after or {})
-    with Progress(label, len(tasks) if measure is None else measure()[1]) as progress:
+    later: list[int] = []
+    again = time.monotonic()
+    with Progress(label, len(tasks)) as progress:
         try:
             for thread in crew:
                 thread.start()
@@ -90,21 +96,28 @@ def run_tasks(
                 while under_way < _AHEAD * threads and ready:
                     todo.put(ready.popleft())
                     under_way += 1
-                if under_way == 0:
+                if under_way == 0 and not later:
                     break
+                if later and time.monotonic() > again:
+                    ready.extend(later)
+                    later.clear()
                 try:
                     i, result, fault = take(results)
                 except Empty:  # a first task may take long
-                    progress.update(done_so_far if measure is None else measure()[0])
+                    progress.update(done_so_far)
                     continue
                 under_way -= 1
+                if isinstance(fault, Later):
+                    again = again if later else time.monotonic() + _LATER
+                    later.append(i)
+                    continue
                 if fault is not None:
                     raise fault
                 keep(i, result)
                 if i in following:
                     ready.appendleft(following[i])
                 done_so_far += 1
-                progress.update(done_so_far if measure is None else measure()[0])
+                progress.update(done_so_far)
         except KeyboardInterrupt:
             complete = False
         finally:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -170,10 +171,14 @@ def output_values(
     return values
 
 
+_reading = Lock()  # a structure is shared by threads, and what reads it keeps what it has read
+
+
 @lru_cache(maxsize=256)
 def _meaning(forms: ModeForms, name: str) -> LinearForm | Expression:
     """What an output is in a mode."""
-    return forms.value_of(name)
+    with _reading:
+        return forms.value_of(name)
 
 
 class _Names(Mapping[str, Any]):
@@ -212,7 +217,8 @@ class _Names(Mapping[str, Any]):
             return self.clock.signal(self.signals[signal[0]], signal[1])
         if not isinstance(node, Call) or node.function not in ("cos", "sin"):
             return None
-        parts = self.forms.graph.angle(node.arguments[0])
+        with _reading:
+            parts = self.forms.graph.angle(node.arguments[0])
         if parts is None:
             return None
         frequency, sign = canonical_frequency(parts[0])

@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from types import FrameType, TracebackType
-from typing import Any
+from typing import Any, ClassVar
 
 __all__ = ["HeldInterrupts", "Progress"]
 
@@ -18,8 +18,11 @@ _PATIENCE = 1.0  # seconds before a bar appears
 class Progress:
     """Context that shows how much of a known amount of work is done.
 
-    Of one task only that it is under way: it is not known how much of it is done.
+    Of one task only that it is under way: it is not known how much of it is done. Where work is
+    made of work that has a bar of its own, the bar that appears first is the only one.
     """
+
+    _shown: ClassVar[Progress | None] = None  # a terminal takes one
 
     def __init__(self, label: str, total: float) -> None:
         self.label = label
@@ -36,6 +39,8 @@ class Progress:
         """Say how much is done."""
         if not self._visible or time.monotonic() - self._began < _PATIENCE:
             return
+        if Progress._shown not in (None, self):
+            return
         if self._bar is None:
             from rich.console import Console
             from rich.progress import Progress as RichProgress
@@ -45,6 +50,7 @@ class Progress:
                 self.label, total=self.total if self.total > 1 else None
             )
             self._bar.start()
+            Progress._shown = self
         self._bar.update(self._task, completed=done)
 
     def __exit__(
@@ -55,6 +61,7 @@ class Progress:
     ) -> None:
         if self._bar is not None:
             self._bar.stop()
+            Progress._shown = None
 
 
 class HeldInterrupts:

@@ -1,7 +1,5 @@
 """Results of long work in a folder, task by task: what is done stays done.
 
-With the lock that keeps other processes out, and the room on disk and in memory that there is.
-
 The folder holds ``protocol.json``, which tells what is computed and how, one file of arrays for
 each task that is done, and ``lock``. Files appear whole or not at all, so the work may be ended at
 any moment, by a full disk or by loss of power, and goes on where it was.
@@ -10,8 +8,8 @@ Tasks are cut by the work alone, never by the number of threads, so a task that 
 fits today, and digits do not depend on threads. HDF5 does not survive a full disk, so the files of
 tasks are ``.npz`` files with a checksum.
 
-The system's own locks end with the process that holds them, however it ends, so the file that a
-killed process leaves behind locks nobody out. The process number in it is for people.
+A store belongs to one process, or it is shared by all that make the same call. Then the lock is
+held only while they agree on the protocol, and claims say who computes which task.
 """
 
 from __future__ import annotations
@@ -24,20 +22,22 @@ import os
 import re
 import shutil
 import sys
-import threading
+import time
 import warnings
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.files import replacing
-from nonsmooth.runs.crew import run_tasks
+from nonsmooth.runs.claims import clear_claims, make_claim_folders
+from nonsmooth.runs.locks import lock, unlock
 from nonsmooth.runs.memory import size_text
 from nonsmooth.runs.protocols import differences, plain
 from nonsmooth.version import __version__
@@ -46,17 +46,14 @@ __all__ = [
     "Damaged",
     "Store",
     "check_store",
-    "lock",
     "part_of_store",
     "read_arrays",
     "reserve",
-    "run_stored_tasks",
+    "task_key",
+    "tasks_of",
     "trouble",
-    "unlock",
     "write_arrays",
 ]
-
-T = TypeVar("T")
 
 _PART = re.compile(r"part-\d{5}")  # a store of several
 _SUFFIX = ".npy"  # of the arrays within the file, as `numpy.load` expects it
@@ -65,9 +62,10 @@ _FORMAT = 1
 _PROTOCOL, _LOCK = "protocol.json", "lock"
 _CHUNK = re.compile(r"(\d{6,})\.npz")
 _DRAFT = re.compile(r"\.(\d{6,}|protocol|result)\.\d+\.(npz|json|nc)")  # see `replacing`
+_STALE = 600.0  # seconds after which a draft in a shared store is none of a living process
+_AGREED = 10.0  # seconds within which others have agreed on the protocol of a shared store
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _MOST_NAMED = 5  # damaged files in a message
-_FAR = 1 << 30  # byte that Windows locks: others can still read the number at the beginning
 _CANNOT = (errno.EINVAL, errno.ENOSYS, errno.EOPNOTSUPP)  # file systems that do not reserve
 
 
@@ -114,12 +112,19 @@ class Store:
         self._handle: int | None = handle
 
     @classmethod
-    def open(cls, path: str | Path, protocol: Mapping[str, Any], n_tasks: int) -> Store:
-        """Store in a folder, made where it is missing, for this process alone.
+    def open(
+        cls,
+        path: str | Path,
+        protocol: Mapping[str, Any],
+        n_tasks: int,
+        *,
+        shared: bool = False,
+    ) -> Store:
+        """Store in a folder, made where it is missing, for this process alone unless ``shared``.
 
         ``protocol`` holds every option that the results depend on, by the name that users know:
         numbers, texts, arrays, and lists and mappings of these. A folder of another protocol is
-        refused. Chunks that are damaged are told, and count as not done.
+        refused. Chunks that are damaged are told, removed, and count as not done.
         """
         folder = _folder(path)
         _refuse_strangers(folder)
@@ -130,15 +135,21 @@ class Store:
             "protocol": plain(protocol),
         }
         try:
-            store = cls(folder, lock(folder / _LOCK))
+            store = cls(folder, lock(folder / _LOCK, _AGREED if shared else None))
         except OSError as fault:
             raise trouble(folder, _LOCK, fault) from fault
         try:
             store._agree(whole)
+            store._clear_drafts(_STALE if shared else 0.0)
             store._find(n_tasks)
+            if shared:
+                make_claim_folders(folder)
+                clear_claims(folder, map(task_key, store.done))
         except BaseException:
             store.close()
             raise
+        if shared:
+            store.close()
         return store
 
     def put(self, i: int, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
@@ -150,6 +161,14 @@ class Store:
             raise trouble(self.folder, path.name, fault) from fault
         self.done.add(i)
 
+    def is_done(self, i: int) -> bool:
+        """Whether anybody has done a task; opened, as network file systems keep old listings."""
+        try:
+            with self._chunk(i).open("rb"):
+                return True
+        except FileNotFoundError:
+            return False
+
     def get(self, i: int) -> dict[str, npt.NDArray[Any]]:
         """Arrays of a task that is done."""
         path = self._chunk(i)
@@ -160,6 +179,12 @@ class Store:
                 f"the store {str(self.folder)!r}: {path.name} was damaged on the way: {fault}; the"
                 " same call computes it again"
             ) from None
+
+    def forget(self, numbers: Iterable[int]) -> None:
+        """Count tasks as not done."""
+        for i in numbers:
+            self._chunk(i).unlink(missing_ok=True)
+            self.done.discard(i)
 
     def close(self) -> None:
         """Let other processes use the folder."""
@@ -179,7 +204,7 @@ class Store:
         self.close()
 
     def _chunk(self, i: int) -> Path:
-        return self.folder / f"{i:06d}.npz"
+        return self.folder / f"{task_key(i)}.npz"
 
     def _agree(self, whole: dict[str, Any]) -> None:
         """Write the protocol, or compare it with the one that is there."""
@@ -190,7 +215,6 @@ class Store:
                     draft.write_text(json.dumps(whole, indent=1), encoding="utf-8")
             except OSError as fault:
                 raise trouble(self.folder, _PROTOCOL, fault) from fault
-            return
         try:
             before = json.loads(path.read_text(encoding="utf-8"))
             former = {**before.pop("protocol"), **before}
@@ -208,12 +232,19 @@ class Store:
                 + "\nrepeat the options as they were to go on, or give another folder"
             )
 
+    def _clear_drafts(self, age: float) -> None:
+        """Remove what processes that were killed have left half written, so long ago or more."""
+        latest = time.time() - age
+        for path in self.folder.iterdir():
+            if _DRAFT.fullmatch(path.name):
+                with suppress(FileNotFoundError):  # it has just become whole
+                    if path.stat().st_mtime <= latest:
+                        path.unlink()
+
     def _find(self, n_tasks: int) -> None:
         """See which tasks are done; loss of power may have left less than was written."""
         damaged = []
         for path in sorted(self.folder.iterdir()):
-            if _DRAFT.fullmatch(path.name):  # of a process that was killed
-                path.unlink(missing_ok=True)
             match = _CHUNK.fullmatch(path.name)
             if match is None or int(match[1]) >= n_tasks:
                 continue
@@ -221,6 +252,7 @@ class Store:
                 read_arrays(path)
             except Damaged as fault:
                 damaged.append(f"{path.name} ({fault})")
+                path.unlink(missing_ok=True)
             else:
                 self.done.add(int(match[1]))
         if damaged:
@@ -231,6 +263,26 @@ class Store:
                 ResultWarning,
                 stacklevel=5,
             )
+
+
+def tasks_of(folder: Path) -> tuple[int, dict[int, float]] | None:
+    """Tasks of the store in a folder, and when each that is done was written; None for no store."""
+    try:
+        count = int(json.loads((folder / _PROTOCOL).read_text(encoding="utf-8"))["tasks"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    done = {}
+    for path in folder.iterdir():
+        match = _CHUNK.fullmatch(path.name)
+        if match is not None and int(match[1]) < count:
+            with suppress(FileNotFoundError):  # it was damaged, and has just been removed
+                done[int(match[1])] = path.stat().st_mtime
+    return count, done
+
+
+def task_key(i: int) -> str:
+    """Name of a task in its file and its claim."""
+    return f"{i:06d}"
 
 
 def check_store(store: str | Path | None) -> None:
@@ -302,109 +354,6 @@ def trouble(folder: Path, name: str, fault: OSError) -> OptionError | RunError:
     return RunError(
         f"{what}. What is done is kept: repeat the same call, and it goes on", status="interrupted"
     )
-
-
-def run_stored_tasks(
-    tasks: list[Callable[[Any, threading.Event], T]],
-    make_worker: Callable[[], Any],
-    *,
-    store: str | Path | None,
-    protocol: Mapping[str, Any],
-    pack: Callable[[T], Mapping[str, npt.NDArray[Any]]],
-    unpack: Callable[[dict[str, npt.NDArray[Any]]], T],
-    threads: int,
-    label: str,
-    keep: Callable[[int, T], None],
-    after: Mapping[int, int] | None = None,
-    parts: bool = False,
-) -> bool:
-    """Run tasks as `run_tasks` does, those that the folder ``store`` has not done already.
-
-    ``protocol`` is all that the results depend on, see `Store.open`. ``pack`` makes arrays of a
-    result, and ``unpack`` the same result of them. ``keep`` is told every result, former or new,
-    and where there are ``parts`` also those of tasks that were stopped: these are not stored.
-    """
-    keep_part = keep if parts else None
-    if store is None:
-        return run_tasks(
-            tasks, make_worker, threads=threads, label=label, keep=keep, after=after,
-            keep_part=keep_part,
-        )  # fmt: skip
-    with Store.open(store, protocol, len(tasks)) as folder:
-        done = frozenset(folder.done)
-        for i in sorted(done):
-            keep(i, unpack(folder.get(i)))
-
-        def keep_both(i: int, result: T) -> None:
-            folder.put(i, pack(result))
-            keep(i, result)
-
-        return run_tasks(
-            tasks, make_worker, threads=threads, label=label, keep=keep_both, done=done,
-            after=after, keep_part=keep_part,
-        )  # fmt: skip
-
-
-def lock(path: Path) -> int:
-    """Lock a file, made where it is missing; returns what `unlock` takes."""
-    handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-    try:
-        if not _take(handle):
-            raise OptionError(
-                f"the store {str(path.parent)!r} is in use by process {_owner(handle)}; wait until"
-                " it ends, or give another folder"
-            )
-        os.ftruncate(handle, 0)
-        os.write(handle, str(os.getpid()).encode())
-    except BaseException:
-        os.close(handle)
-        raise
-    return handle
-
-
-def unlock(handle: int) -> None:
-    """Let others in. The file stays: who has it open already would lock one that is gone."""
-    try:
-        os.ftruncate(handle, 0)
-    finally:
-        os.close(handle)
-
-
-def _owner(handle: int) -> str:
-    os.lseek(handle, 0, os.SEEK_SET)
-    return os.read(handle, 20).decode(errors="replace") or "of another user"
-
-
-if sys.platform == "win32":
-    import msvcrt
-
-    def _take(handle: int) -> bool:
-        """Lock a file unless another process has."""
-        os.lseek(handle, _FAR, os.SEEK_SET)
-        try:
-            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
-        except OSError:
-            return False
-        os.lseek(handle, 0, os.SEEK_SET)
-        return True
-
-else:
-    import fcntl
-
-    def _take(handle: int) -> bool:
-        """Lock a file unless another process has."""
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return False
-        except OSError as fault:  # some network file systems have no locks
-            warnings.warn(
-                f"the store cannot be locked ({fault.strerror}); see to it that no other process"
-                " uses it at the same time",
-                ResultWarning,
-                stacklevel=6,
-            )
-        return True
 
 
 def reserve(path: Path, size: int) -> None:

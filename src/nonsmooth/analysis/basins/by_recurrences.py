@@ -33,7 +33,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.progress import Progress
-from nonsmooth.runs.store import run_stored_tasks
+from nonsmooth.runs.stored_tasks import run_stored_tasks
 
 __all__ = [
     "NOT_COMPUTED", "Basins", "by_recurrences", "label_grid", "label_starts", "look_closer",

@@ -16,7 +16,7 @@ from nonsmooth.files import replacing
 from nonsmooth.runs.labels import Columns, labels_of
 from nonsmooth.runs.store import reserve, trouble
 
-__all__ = ["Frame", "dataset_in_file", "dataset_in_memory"]
+__all__ = ["Frame", "dataset_in_file", "dataset_in_memory", "open_whole"]
 
 _MARGIN, _OF_TEXT = 2**20, 64  # bytes that a file has more, in all and for each lane
 _OWN = (
@@ -110,6 +110,19 @@ def dataset_in_file(
             _write(frame, chunks, complete, draft)
     except OSError as fault:
         raise trouble(path.parent, path.name, fault) from fault
+    return _open(path)
+
+
+def open_whole(path: Path) -> xr.Dataset | None:
+    """The dataset that another process has written, where it holds all lanes."""
+    try:
+        written = _open(path)
+    except OSError:  # it was interrupted, or killed
+        return None
+    return written if written.attrs["status"] == "completed" else None
+
+
+def _open(path: Path) -> xr.Dataset:
     return xr.open_dataset(path, engine="h5netcdf", decode_times=False)
 
 

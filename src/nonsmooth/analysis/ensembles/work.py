@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Collection, Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,12 +15,19 @@ from nonsmooth.analysis.ensembles.chunk import (
     empty_chunk,
     run_chunk,
 )
-from nonsmooth.analysis.ensembles.ensemble_dataset import Frame, dataset_in_file, dataset_in_memory
+from nonsmooth.analysis.ensembles.ensemble_dataset import (
+    Frame,
+    dataset_in_file,
+    dataset_in_memory,
+    open_whole,
+)
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
+from nonsmooth.runs.claims import Claims
 from nonsmooth.runs.crew import run_tasks
 from nonsmooth.runs.memory import free_memory, size_text
 from nonsmooth.runs.store import Store
+from nonsmooth.runs.stored_tasks import Computed, shared_tasks
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,6 +37,8 @@ __all__ = ["Work"]
 _FEWEST = 64  # tasks, so that many processors have work
 _MOST_LANES, _MOST_WINDOWS, _MOST_BYTES = 4096, 50_000, 4 * 2**20  # in a task
 _MOST_MEMORY = 0.5  # part of the free memory that a result may take
+_LOOK = 0.2  # seconds between two looks at a file that another process writes
+_RESULT = "result"  # the file in a store, and the claim to write it
 
 
 class Work:
@@ -61,24 +71,44 @@ class Work:
         def keep(i: int, chunk: Chunk) -> None:
             _fill(whole, slice(*self._lanes(i)), chunk)
 
-        return dataset_in_memory(frame, whole, self._run(keep, ()))
+        complete = run_tasks(
+            self._tasks(), self._runners, threads=self.threads, label="ensemble", keep=keep
+        )
+        return dataset_in_memory(frame, whole, complete)
 
     def in_store(self, frame: Frame, path: str | Path, asked: Mapping[str, Any]) -> xr.Dataset:
         """Run the lanes that a store has not yet; the result is read from a file in it."""
-        with Store.open(path, asked, self.n_tasks) as store:
-            complete = self._run(store.put, frozenset(store.done))
-            size, target = self.count * self.lane_bytes, store.folder / "result.nc"
-            return dataset_in_file(frame, self._chunks(store), size, complete, target)
+        store = Store.open(path, asked, self.n_tasks, shared=True)
 
-    def _run(self, keep: Callable[[int, Chunk], None], done: Collection[int]) -> bool:
-        return run_tasks(
-            [self._task(i) for i in range(self.n_tasks)],
-            lambda: Runners(self.protocol.system, self.tolerance),
-            threads=self.threads,
-            label="ensemble",
-            keep=keep,
-            done=done,
-        )
+        def keep(i: int, _: Computed | None) -> None:
+            store.done.add(i)
+
+        with Claims(store.folder) as claims:
+            complete = run_tasks(
+                shared_tasks(self._tasks(), store, claims, pack=dict), self._runners,
+                threads=self.threads, label="ensemble", keep=keep, done=frozenset(store.done),
+            )  # fmt: skip
+            return self._in_file(frame, store, claims, complete)
+
+    def _in_file(self, frame: Frame, store: Store, claims: Claims, complete: bool) -> xr.Dataset:
+        """The result, from a file that one of the processes writes that share the store."""
+        target, waited = store.folder / f"{_RESULT}.nc", False
+        while not claims.take(_RESULT):
+            waited = True
+            time.sleep(_LOOK)
+        try:
+            if waited and (written := open_whole(target)):
+                return written
+            size = self.count * self.lane_bytes
+            return dataset_in_file(frame, self._chunks(store), size, complete, target)
+        finally:
+            claims.release(_RESULT)
+
+    def _runners(self) -> Runners:
+        return Runners(self.protocol.system, self.tolerance)
+
+    def _tasks(self) -> list[Callable[[Runners, threading.Event], Chunk]]:
+        return [self._task(i) for i in range(self.n_tasks)]
 
     def _task(self, i: int) -> Callable[[Runners, threading.Event], Chunk]:
         return lambda runners, stop: run_chunk(self.protocol, *self._lanes(i), runners, stop)

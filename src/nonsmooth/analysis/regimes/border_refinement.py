@@ -3,16 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["UNKNOWN", "refine_borders", "refined_values"]
+from nonsmooth.errors import OptionError
+from nonsmooth.runs.options import finite_number
 
+__all__ = ["UNKNOWN", "check_levels", "refine_borders", "refined_values"]
+
+_LEVELS = 8
 UNKNOWN = 0  # key of a point that is not known; others are positive
 
 Keys = npt.NDArray[np.int64]
 Compute = Callable[[npt.NDArray[np.int64]], bool]
+
+
+def check_levels(refine: Any) -> int:
+    """How often cells are halved."""
+    number = finite_number("refine", refine)
+    if number != int(number) or not 0 <= number <= _LEVELS:
+        raise OptionError(
+            f"refine = {refine!r:.60}: give how often cells are halved, a whole number from 0 to"
+            f" {_LEVELS}"
+        )
+    return int(number)
 
 
 def refined_values(values: npt.NDArray[np.float64], levels: int) -> npt.NDArray[np.float64]:

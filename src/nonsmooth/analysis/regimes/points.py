@@ -13,13 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import End, pack_end, take_end
-from nonsmooth.analysis.regimes.border_refinement import UNKNOWN
-from nonsmooth.analysis.regimes.labels import LABELS, REPEATING, Verdict
+from nonsmooth.analysis.regimes.label_grid import LabelGrid
+from nonsmooth.analysis.regimes.labels import LABELS, Verdict
 from nonsmooth.analysis.regimes.options import RegimeProtocol
 from nonsmooth.analysis.regimes.regime_run import first_windows, settled_regimes
-from nonsmooth.analysis.regimes.window import cyclic_word
 from nonsmooth.analysis.settle import ParameterSets, settle
-from nonsmooth.runs.store import run_stored_tasks
+from nonsmooth.runs.stored_tasks import run_stored_tasks
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import SweepRunner
 
@@ -54,9 +53,7 @@ class Plane:
 
     def __post_init__(self) -> None:
         shape = (self.values[1].size, self.values[0].size)
-        self.verdicts = np.full(shape, None, object)
-        self.keys = np.full(shape, UNKNOWN, np.int64)
-        self._known: dict[tuple[Any, ...], int] = {}
+        self.grid = LabelGrid(shape)
         self._step = 0
 
     def compute(self, places: Places) -> bool:
@@ -67,7 +64,7 @@ class Plane:
         def keep(i: int, done: Done) -> None:
             # of a task that was stopped the last points are missing
             for (row, column), verdict in zip(parts[i], done[0], strict=False):
-                self.verdicts[row, column] = verdict
+                self.grid.verdicts[row, column] = verdict
             ends[i] = done[1]
 
         store = self.store
@@ -87,11 +84,7 @@ class Plane:
             after=after,
             parts=True,
         )
-        for row, column in places:  # in order: the number of a key does not depend on threads
-            verdict = self.verdicts[row, column]
-            if verdict is not None:
-                key = _key(verdict)
-                self.keys[row, column] = self._known.setdefault(key, len(self._known) + 1)
+        self.grid.number(places)
         return complete
 
     def _parts(self, places: Places) -> tuple[list[Places], dict[int, int]]:
@@ -110,28 +103,6 @@ class Plane:
                     after[len(parts)] = len(parts) - 1
                 parts.append(part)
         return parts, after
-
-    def fill(self, places: Places) -> None:
-        """Give places the label that has been found all around them, and no evidence."""
-        examples: dict[tuple[Any, ...], Verdict] = {}
-        for verdict in self.verdicts.ravel():
-            if verdict is not None:
-                examples.setdefault(_key(verdict), verdict)
-        shared = {
-            self._known[key]: Verdict(
-                like.label,
-                "",
-                0,
-                np.nan,
-                np.full_like(like.drift, np.nan),
-                like.period,
-                like.word,
-                progresses=like.progresses,
-            )
-            for key, like in examples.items()
-        }
-        for row, column in places:
-            self.verdicts[row, column] = shared[int(self.keys[row, column])]
 
     def _task(
         self, places: Places, before: int | None, ends: dict[int, End | None]
@@ -154,15 +125,6 @@ class Plane:
 
 def _some_each(places: Places) -> list[Places]:
     return [places[i : i + _TOGETHER] for i in range(0, len(places), _TOGETHER)]
-
-
-def _key(verdict: Verdict) -> tuple[Any, ...]:
-    """What neighbours have in common."""
-    if verdict.label not in REPEATING:
-        return (verdict.label,)
-    count = round(verdict.impacts * verdict.period)
-    word = cyclic_word(verdict.word)
-    return verdict.label, verdict.period, word, count, verdict.progresses
 
 
 def _packed(done: Done) -> dict[str, npt.NDArray[Any]]:

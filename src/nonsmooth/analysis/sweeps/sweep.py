@@ -22,7 +22,7 @@ from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import check_carried, resolve_start
-from nonsmooth.runs.store import run_stored_tasks
+from nonsmooth.runs.stored_tasks import run_stored_tasks
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import SweepRunner
 from nonsmooth.system.system import System
