@@ -363,6 +363,39 @@ def test_faults_in_an_executor_come_out(tmp_path, monkeypatch):
 # ---------------------------------------------------------------- claims
 
 
+class Given(Exception):
+    """What a cluster raises for a task whose workers died."""
+
+
+Given.__module__ = "distributed.scheduler"
+
+
+class Unlucky(ThreadPoolExecutor):
+    """Gives up one of the tiles so many times."""
+
+    times = 0
+
+    def submit(self, call, path, identity, number, patience):
+        if number == 4 and self.times:
+            self.times -= 1
+            return super().submit(self.lose)
+        return super().submit(call, path, identity, number, patience)
+
+    def lose(self):
+        raise Given("4 workers died")
+
+
+@pytest.mark.parametrize(("times", "failed"), [(3, []), (4, [4])])
+def test_a_tile_that_is_given_up_is_tried_again_but_not_for_ever(tmp_path, times, failed):
+    """Its workers may have died of something else."""
+    store = plan(tmp_path)
+    with Unlucky(2) as pool:
+        pool.times = times
+        job = ns.cluster.work(store, executor=pool)
+    assert job["failed_tile"].values.tolist() == failed
+    assert int(job["done"]) == 6 - len(failed)
+
+
 @pytest.mark.slow
 def test_tiles_of_a_living_worker_are_waited_for(tmp_path, whole):
     """And taken over when it falls silent, though somebody has claimed all of them."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 import warnings
+from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
 from concurrent.futures import TimeoutError as LateError
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.cluster.executors import executor_of, lost_workers
+from nonsmooth.cluster.executors import executor_of, is_lost, lost_workers
 from nonsmooth.cluster.plan_map import planned_question
 from nonsmooth.cluster.progress import progress_of
 from nonsmooth.cluster.tile_map import tile_map
@@ -36,7 +37,9 @@ __all__ = ["work"]
 _LOOK = 1.0  # seconds between two looks at tiles that others compute
 _MOST_NAMED = 5  # damaged tiles in a message
 
-DONE, TAKEN, FAILED, LATE = "done", "taken", "failed", "late"
+_MOST_LOST = 4  # times that a cluster gives up a tile before it counts as failed
+
+DONE, TAKEN, FAILED, LATE, LOST = "done", "taken", "failed", "late", "lost"
 
 
 def work(
@@ -211,6 +214,7 @@ def _in_executor(
 ) -> bool:
     """Compute tiles wherever the executor does; False where the user interrupted."""
     path, identity = str(store.folder.absolute()), store.identity
+    losses: Counter[int] = Counter()
 
     def compute(numbers: list[int], keep: Callable[[int, str], None]) -> bool:
         if time.monotonic() > deadline:
@@ -225,7 +229,7 @@ def _in_executor(
             with Progress("tiles of the map", len(asked)) as bar:
                 for k, future in enumerate(as_completed(asked, left)):
                     number = asked[future]
-                    keep(number, _outcome(store, number, future))
+                    keep(number, _outcome(store, number, future, losses))
                     bar.update(k + 1)
         except LateError:
             keep(numbers[0], LATE)
@@ -239,15 +243,22 @@ def _in_executor(
     return _until_done(store, chosen, compute)
 
 
-def _outcome(store: TileStore, number: int, future: Future[str]) -> str:
-    """What became of a tile in an executor."""
+def _outcome(store: TileStore, number: int, future: Future[str], losses: Counter[int]) -> str:
+    """What became of a tile in an executor.
+
+    A cluster gives up a tile when several workers died while they had it. They may have died of
+    something else; only a tile that is given up again and again has failed.
+    """
     try:
         return future.result()
     except (OSError, NonsmoothError):
         raise
     except (BrokenExecutor, CancelledError) as fault:
         raise lost_workers(fault) from fault
-    except Exception as fault:  # a worker of a cluster that was lost with this tile several times
+    except Exception as fault:
+        losses[number] += 1
+        if is_lost(fault) and losses[number] < _MOST_LOST:
+            return LOST
         store.fail(store.at(number), fault)
         return FAILED
 
