@@ -219,19 +219,22 @@ inline SegmentEnd pass_segment(const Run& run) {
     }
     times.length = pause.length;
     if (step_fails(run, times)) {
-        write_samples(run, 0.0);
+        write_samples(run, 0.0, 0.0);
         return ends_with(at_two_fold(run, m) ? NONUNIQUE : SINGULAR);
     }
     const bool is_known = pause.stage == SAMPLING || pause.stage == STOPPING;
     const Crossing crossing =
         is_known ? crossing_before_pause(pause) : search_segment(run, times);
     if (crossing.found == Found::paused) return ends_with(PAUSED);
-    if (!write_samples(run, std::min(crossing.s, times.end))) {
+    const double over = crossing.exit >= 0 ? rounding_of_instants(run) : 0.0;
+    if (!write_samples(run, std::min(crossing.s, times.end), over)) {
         return pause_at_samples(run, crossing);
     }
     pause.stage = BETWEEN;
     if (crossing.found == Found::restart) times.length = crossing.s;
-    if (times.end <= crossing.s) return ends_with(complete_run(run, times.end));
+    if (times.end <= crossing.s + over) {
+        return ends_with(complete_run(run, std::min(times.end, crossing.s)));
+    }
     if (crossing.found == Found::stuck) return ends_with(status_of_stuck(run, crossing.s));
     if (!take_state(run, crossing.s)) {
         anchor.phase += crossing.s;
@@ -338,11 +341,11 @@ inline Status run_lane(const Run& run) {
         }
         const EventEnd end = pass_event(run, crossing, begins);
         if (end.status != COMPLETED) {
-            if (begins) write_samples(run, 0.0);
+            if (begins) write_samples(run, 0.0, 0.0);
             return end.status;
         }
         if (may_part(run, before, begins, end.jumped) && !choose_side(run, begins, crossing.s)) {
-            if (begins) write_samples(run, 0.0);
+            if (begins) write_samples(run, 0.0, 0.0);
             return NONUNIQUE;
         }
         begins = false;

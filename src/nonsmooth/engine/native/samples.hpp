@@ -1,5 +1,13 @@
 // Samples of a run: read from the segment that passes over them, which they do not change.
+//
+// A sample at an event holds the state before it. Rounding must not decide whether it lies there: a
+// clock that is reset once per period is reset now before and now after a strobe. So an instant
+// that lies behind an event by no more than rounding counts as that of the event, and so does the
+// end of a run.
 #pragma once
+
+#include <algorithm>
+#include <cmath>
 
 #include "flow.hpp"
 #include "free_flight.hpp"
@@ -9,6 +17,17 @@
 #include "work.hpp"
 
 namespace nonsmooth {
+
+// Time by which an instant may lie behind an event of the segment and still count as its own.
+//
+// An event of the forcing period is off by some roundings of the window, and in each window by as
+// many more: a clock whose rate is 1/T drifts.
+inline double rounding_of_instants(const Run& run) {
+    constexpr double each = 0x1p-48;  // part of a window; 16 roundings
+    constexpr double few = 64.0;      // windows: roots of curved guards are known to 1e-13
+    const double number = std::fabs(static_cast<double>(run.anchor.place.number));
+    return each * (few + number) * run.tables.clock.window;
+}
 
 // Columns of derivatives at sample k, at s of the segment.
 inline void write_columns(const Run& run, double s, Index k) {
@@ -37,12 +56,13 @@ inline void go_to(const Run& run, WindowPhase when, double s) {
     }
 }
 
-// Samples of this segment up to and including the time until; false where there was too much work
-// for one call, and some are left.
+// Samples of this segment up to and including the time until, and those that lie behind it by no more
+// than the time over, as of that time; false where there was too much work for one call, and some
+// are left.
 //
 // The slots at the end of the segment are put back bit by bit: the last step to an event is rounded
 // differently from a direct evaluation.
-inline bool write_samples(const Run& run, double until) {
+inline bool write_samples(const Run& run, double until, double over) {
     const Segment& segment = run.segment;
     const Records& records = run.records;
     const Index m = run.anchor.place.mode;
@@ -51,11 +71,13 @@ inline bool write_samples(const Run& run, double until) {
     const int64_t work = work_of_sample(run.tables, run.tangent, m);
     Pause& pause = *segment.pause;
     bool complete = true;
+    const double latest = until + over;
     Index k = records.counters.samples;
     for (; k < records.sample_phase.size(); ++k) {
         const double number = static_cast<double>(records.sample_number[k]);
-        const double s = time_to(run, number, records.sample_phase[k]);
-        if (s > until) break;
+        const double asked = time_to(run, number, records.sample_phase[k]);
+        if (asked > latest) break;
+        const double s = std::min(asked, until);
         complete = !kept || pause.work > 0;  // one sample at least in a call
         if (!complete) break;
         pause.work -= work;
