@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.runs.clock import rounding_of_events
 from nonsmooth.runs.impacts import happened, impacts_of
 from nonsmooth.runs.sweep_runner import Recorded
 from nonsmooth.runs.words import word_of_modes
@@ -27,15 +28,21 @@ class PassedEvents:
         self.motion = np.repeat(np.arange(recorded.statuses.size), np.diff(recorded.logs))
         self._happened = happened(recorded.rows)
         self._impacts = impacts_of(system).in_rows(recorded.rows)
+        self._rounding = rounding_of_events(
+            recorded.rows["number"], recorded.rows["phase"], recorded.windows[self.motion]
+        )
         self._words: dict[bytes, str] = {}
 
     def between(self, first: Integers, last: Integers | None = None) -> Bools:
         """Which rows are events from one sample of each motion on, (K,), before another one.
 
-        An event at the instant of a sample comes behind it: it has not changed its state.
+        An event at the instant of a sample, or a rounding before it, comes behind it: it has not
+        changed its state.
         """
-        within = self._happened & (self._since(first) >= 0.0)
-        return within if last is None else np.asarray(within & (self._since(last) < 0.0))
+        within = self._happened & (self._since(first) >= -self._rounding)
+        if last is not None:
+            within &= self._since(last) < -self._rounding
+        return np.asarray(within)
 
     def counts(self, rows: Bools) -> tuple[Floats, Floats]:
         """Events among some rows, and impacts among them, of each motion."""

@@ -16,7 +16,7 @@ from nonsmooth.errors import OptionError, RunError
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
-from nonsmooth.runs.clock import Instant, Plan
+from nonsmooth.runs.clock import Instant, Plan, since_strobe
 from nonsmooth.runs.first_mode import in_first_mode
 from nonsmooth.runs.runner import NoMode, Outcome, build_tables, run_plan
 from nonsmooth.runs.start import Start, resolve_start, start_at_end
@@ -163,8 +163,9 @@ def _legs_of_outcome(system: System, outcome: Outcome, begin: Instant, end: Inst
     """Legs of a run between two of its samples, the last two; times count from window zero."""
     window = outcome.window
     rows, after = outcome.events, outcome.event_states[:, 1]
-    times = (rows["number"] - begin.number) * window + (rows["phase"] - begin.phase)
-    inside = (times > 0.0) & (times < (end.number - begin.number) * window)
+    times = since_strobe(rows["number"], rows["phase"], begin, window)
+    # an event at a section comes behind it
+    inside = (times >= 0.0) & (times < (end.number - begin.number) * window)
     inside &= ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
     records = outcome.records
     modes, paths = [int(records.sample_mode[-2])], []
@@ -320,7 +321,7 @@ def guesses_in_motion(
     rows, after = outcome.events, outcome.event_states[:, 1]
     lasting = ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
     rows, after = rows[lasting], after[lasting]
-    times = (rows["number"] - first) * window + rows["phase"] - phase * window
+    times = since_strobe(rows["number"], rows["phase"], Instant(first, phase * window), window)
     states, modes = outcome.records.sample_state, outcome.records.sample_mode
     drifting = np.array([name in system.drift_states for name in system.states])
     sample = np.where(drifting, 0.0, states)
@@ -329,7 +330,7 @@ def guesses_in_motion(
     wanted = {(word.modes, word.paths) for word in (each.collapsed(wiring) for each in words)}
     found = []
     for k in range(max(0, reached - period)):
-        low, high = np.searchsorted(times, [k * window, (k + period) * window], side="right")
+        low, high = np.searchsorted(times, [k * window, (k + period) * window])
         part = slice(int(low), int(high))
         paths = [path_of_bits(int(r["path"]), int(r["passes"])) for r in rows[part]]
         if None in paths:

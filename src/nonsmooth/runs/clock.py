@@ -12,12 +12,18 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.engine.library import constant
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.options import check_count, finite_number, time_grid, whole_number
 
-__all__ = ["Instant", "Plan", "check_one_end", "instants", "plan_run"]
+__all__ = [
+    "Instant", "Plan", "check_one_end", "instants", "plan_run", "rounding_of_events",
+    "since_strobe",
+]  # fmt: skip
 
 _UNIT = float(np.finfo(float).eps)
+_ROUNDING = 0.5 ** constant("ROUNDING_BITS")
+_LEAST, _MOST = constant("LEAST_DRIFTING"), constant("MOST_DRIFTING")
 DEFAULT_SAMPLES = 1000  # intervals of a run given by t_end of a system without a period
 
 
@@ -51,6 +57,30 @@ def instants(
     number = np.where(on_boundary, nearest, np.floor(times / window))
     phase = np.where(on_boundary, 0.0, np.clip(times - number * window, 0.0, window))
     return number.astype(np.int64), phase
+
+
+def rounding_of_events(
+    numbers: npt.NDArray[np.int64], phases: npt.NDArray[np.float64], windows: npt.ArrayLike
+) -> npt.NDArray[np.float64]:
+    """Time by which samples may lie on either side of events and still be at them.
+
+    A clock that is reset once per period comes to its reset a rounding before a strobe or behind
+    it. The engine takes the sample before the reset in both cases, by the same bound.
+    """
+    passed = _LEAST + np.minimum(np.abs(numbers), _MOST)
+    length = np.where(numbers == 0, np.minimum(windows, np.abs(phases)), windows)
+    return np.asarray(_ROUNDING * passed * length)
+
+
+def since_strobe(
+    numbers: npt.NDArray[np.int64], phases: npt.NDArray[np.float64], first: Instant, window: float
+) -> npt.NDArray[np.float64]:
+    """Times of events since a strobe; those at a strobe by rounding are put there exactly."""
+    windows, phase = numbers - first.number, phases - first.phase
+    nearest = windows + np.rint(phase / window)
+    apart = (windows - nearest) * window + phase
+    at_strobe = np.abs(apart) <= rounding_of_events(numbers, phases, window)
+    return np.asarray(np.where(at_strobe, nearest * window, windows * window + phase))
 
 
 def check_one_end(**ends: object) -> None:

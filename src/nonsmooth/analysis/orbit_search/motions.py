@@ -18,7 +18,7 @@ from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
-from nonsmooth.runs.clock import Instant, Plan
+from nonsmooth.runs.clock import Instant, Plan, since_strobe
 from nonsmooth.runs.first_mode import in_first_mode
 from nonsmooth.runs.runner import NoMode, Outcome, run_plan
 from nonsmooth.runs.start import complete_state, resolve_start, start_at_end
@@ -66,9 +66,12 @@ class PointsOfMotion:
     status: Status
 
     def between(self, i: int, j: int) -> slice:
-        """Events behind point i; those of a driven motion before point j, else up to it."""
+        """Events behind point i and before point j, or up to it where points are events.
+
+        An event at a strobe comes behind it: it has not changed its state.
+        """
         side: Literal["left", "right"] = "left" if self.driven else "right"
-        low = np.searchsorted(self.event_times, self.times[i], side="right")
+        low = np.searchsorted(self.event_times, self.times[i], side=side)
         high = np.searchsorted(self.event_times, self.times[j], side=side)
         return slice(int(low), int(high))
 
@@ -134,8 +137,8 @@ def motion_from(
 def _points(outcome: Outcome, first: int, phase: float, driven: bool) -> PointsOfMotion:
     rows, window = outcome.events, outcome.window
     keep = ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
-    since: Floats = (rows["number"] - first) * window + (rows["phase"] - phase)
-    keep &= since > 0.0
+    since = since_strobe(rows["number"], rows["phase"], Instant(first, phase), window)
+    keep &= (since >= 0.0) if driven else (since > 0.0)
     rows, states, times = rows[keep], outcome.event_states[keep, 1], since[keep]
     reached = outcome.n_samples
     kept = columns(rows, "path", "passes", "to_mode")

@@ -47,6 +47,9 @@ enum { ANY = -1, GOES_ON = -2, RESUMES = -3, SAME = -4 };
 enum { BETWEEN, SEARCHING, SAMPLING, STOPPING };
 /* times that a period must be seen to be believed */
 enum { REPEATS = 2 };
+/* instants this close to an event are its own: windows times two to the power of -ROUNDING_BITS, as
+ * many as have passed, but no fewer and no more than these */
+enum { ROUNDING_BITS = 48, LEAST_DRIFTING = 64, MOST_DRIFTING = 131072 };
 /* how far a motion of a sweep is */
 enum { BEGINNING, SETTLING_DOWN, RECORDING };
 

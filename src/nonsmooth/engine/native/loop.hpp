@@ -226,7 +226,7 @@ inline SegmentEnd pass_segment(const Run& run) {
     const Crossing crossing =
         is_known ? crossing_before_pause(pause) : search_segment(run, times);
     if (crossing.found == Found::paused) return ends_with(PAUSED);
-    const double over = crossing.exit >= 0 ? rounding_of_instants(run) : 0.0;
+    const double over = crossing.exit >= 0 ? rounding_of_event(run, crossing.s) : 0.0;
     if (!write_samples(run, std::min(crossing.s, times.end), over)) {
         return pause_at_samples(run, crossing);
     }

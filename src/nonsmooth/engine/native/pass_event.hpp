@@ -20,24 +20,6 @@ inline WindowPhase instant_at(const Run& run, double s) {
     return normal_phase(run.anchor.place.number, run.anchor.phase + s, run.tables.clock.window);
 }
 
-// The instant of an event at s of the segment as it is logged: that of a sample before it, or of the
-// end of the call before, which lie behind it by rounding. So the log says the same as the samples.
-inline WindowPhase logged_instant(const Run& run, double s) {
-    const Records& records = run.records;
-    WindowPhase when = instant_at(run, s);
-    const Index k = records.counters.samples - 1;
-    if (k >= 0) {
-        const WindowPhase sample{records.sample_number[k], records.sample_phase[k]};
-        const double at = time_to(run, static_cast<double>(sample.number), sample.phase);
-        if (at > s) when = sample, s = at;
-    }
-    const Instant& since = records.since;
-    if (time_to(run, since.number, since.phase) > s) {
-        when = {static_cast<Index>(since.number), since.phase};
-    }
-    return when;
-}
-
 // What is known of a crossing of the segment, by how it was found and by the series that have led
 // there.
 inline Certificate certificate_of(const Run& run, Found found) {
@@ -73,9 +55,9 @@ inline Index log_crossing(const Run& run, const Crossing& crossing, EventKind ki
     const Certificate certificate = certificate_of(run, crossing.found);
     const double rate = e >= 0 ? run.segment.scan[e].a[1] : 0.0;
     const Records& records = run.records;
-    const WindowPhase when = logged_instant(run, crossing.s);
-    end_rebounds(run, when);
-    const Index row = log_event(records, {when, kind, m, e, certificate, rate});
+    end_rebounds(run, instant_at(run, crossing.s));
+    const Index row =
+        log_event(records, {instant_at(run, crossing.s), kind, m, e, certificate, rate});
     if (row < 0) return row;
     if (kind == EVENT_GRAZE) {
         state_at(run.tables, run.segment, m, records.state_before(row));

@@ -18,15 +18,20 @@
 
 namespace nonsmooth {
 
-// Time by which an instant may lie behind an event of the segment and still count as its own.
+// Time by which an instant may lie behind an event at s of the segment and still count as its own.
 //
 // An event of the forcing period is off by some roundings of the window, and in each window by as
-// many more: a clock whose rate is 1/T drifts.
-inline double rounding_of_instants(const Run& run) {
-    constexpr double each = 0x1p-48;  // part of a window; 16 roundings
-    constexpr double few = 64.0;      // windows: roots of curved guards are known to 1e-13
-    const double number = std::fabs(static_cast<double>(run.anchor.place.number));
-    return each * (few + number) * run.tables.clock.window;
+// many more: a clock whose rate is 1/T drifts. Python orders the log by the same bound
+// (nonsmooth.runs.clock).
+inline double rounding_of_event(const Run& run, double s) {
+    const double window = run.tables.clock.window;
+    const WindowPhase when = normal_phase(run.anchor.place.number, run.anchor.phase + s, window);
+    const double windows = std::min(std::fabs(static_cast<double>(when.number)),
+                                    static_cast<double>(MOST_DRIFTING));
+    // a window that no forcing gives may be much longer than what happens at the start of a run
+    const double length = when.number == 0 ? std::min(window, std::fabs(when.phase)) : window;
+    constexpr double least = LEAST_DRIFTING;
+    return std::ldexp((least + windows) * length, -ROUNDING_BITS);
 }
 
 // Columns of derivatives at sample k, at s of the segment.
