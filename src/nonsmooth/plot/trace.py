@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.runs.clock import rounding_of_logged
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -139,9 +140,10 @@ def _merged(run: xr.Dataset, samples: Trace, columns: list[int]) -> Trace:
         values[:, k::2] = run[f"state_{side}"].values[:, columns].T
     mode[0::2], mode[1::2] = run["event_from"].values, run["event_to"].values
     jumps = np.arange(count) % 2 == 0
-    # A sample at the very time of an event holds the state before it, but at the start the
-    # state after it.
-    place = np.searchsorted(time, samples.time, side="left")
+    # A sample at the time of an event, or behind it by rounding, holds the state before it, but at
+    # the start the state after it.
+    latest = np.maximum.accumulate(time + np.repeat(rounding_of_logged(run), 2))
+    place = np.searchsorted(latest, samples.time, side="left")
     if run["event_kind"].values[0] == "start":
         place = np.where(samples.time <= time[0], 2, place)
     return Trace(

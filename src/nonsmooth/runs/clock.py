@@ -7,7 +7,7 @@ that is as exact as that of the first one.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +16,12 @@ from nonsmooth.engine.library import constant
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.options import check_count, finite_number, time_grid, whole_number
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 __all__ = [
     "Instant", "Plan", "check_one_end", "instants", "plan_run", "rounding_of_events",
-    "since_strobe",
+    "rounding_of_logged", "since_strobe",
 ]  # fmt: skip
 
 _UNIT = float(np.finfo(float).eps)
@@ -70,6 +73,12 @@ def rounding_of_events(
     passed = _LEAST + np.minimum(np.abs(numbers), _MOST)
     length = np.where(numbers == 0, np.minimum(windows, np.abs(phases)), windows)
     return np.asarray(_ROUNDING * passed * length)
+
+
+def rounding_of_logged(run: xr.Dataset) -> npt.NDArray[np.float64]:
+    """The same for the event log of a run, as a dataset."""
+    number, phase = run["event_period_number"].values, run["event_phase"].values
+    return rounding_of_events(number, phase, run.attrs["window"])
 
 
 def since_strobe(

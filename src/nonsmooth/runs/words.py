@@ -15,6 +15,7 @@ import numpy.typing as npt
 from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.tables import RESTING
 from nonsmooth.errors import OptionError
+from nonsmooth.runs.clock import rounding_of_events, rounding_of_logged
 from nonsmooth.runs.options import finite_number
 
 if TYPE_CHECKING:
@@ -79,7 +80,8 @@ def phase_word(
     kinds = run["event_kind"].values
     keep = kinds != EventKind.GRAZE.word
     times, entered = run["event_time"].values[keep], run["event_to"].values[keep]
-    within = _between(times, low, high)
+    rounding = rounding_of_logged(run)[keep]
+    within = _between(times, rounding, low, high)
     rests = kinds[keep][within] == EventKind.CHATTER.word
     modes = without_rebounds(entered[within].astype(int), rests, turn=False)
     return tuple(names_of_modes(names, modes))
@@ -88,8 +90,8 @@ def phase_word(
 def last_period_word(system: System, outcome: Outcome) -> str:
     """Word of the last period of a run, of the whole run where there is no period."""
     low = -outcome.tables.window if system.period_value is not None else -np.inf
-    times, entered = _latest(outcome, low)
-    modes = entered[_between(times, low, 0.0)].astype(int)
+    times, rounding, entered = _latest(outcome, low)
+    modes = entered[_between(times, rounding, low, 0.0)].astype(int)
     if modes.size == 0:  # no event since the run went on from an earlier one
         modes = np.array([outcome.anchor.mode])
     return word_of_modes(system, modes)
@@ -135,8 +137,8 @@ def names_of_modes(names: Sequence[str], modes: npt.NDArray[np.int64]) -> Iterat
         before = int(mode)
 
 
-def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times, relative to the end, and modes entered of the last events.
+def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times of the last events, relative to the end, their rounding, and modes entered.
 
     All since ``low``, or enough for a word: a run may be long, and its last period is short,
     so the log is read from its end.
@@ -154,7 +156,8 @@ def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray]:
         before = int(np.searchsorted(times, 0.0))
         enough = before > _LONGEST + 1 or (before > 0 and times[0] <= low)
         if enough or count >= len(outcome.events):
-            return times, rows["to_mode"][lasting]
+            rounding = rounding_of_events(rows["number"], phase, window)
+            return times, rounding[lasting], rows["to_mode"][lasting]
         count *= 4
 
 
@@ -165,8 +168,11 @@ def _time(name: str, value: Any, unbounded: float) -> float:
     return finite_number(name, value)
 
 
-def _between(times: np.ndarray, low: float, high: float) -> slice:
-    """Events between two times, with the last one before: it has led to where that begins."""
-    first = int(np.searchsorted(times, low, side="right"))
-    last = int(np.searchsorted(times, high, side="left"))
+def _between(times: np.ndarray, rounding: np.ndarray, low: float, high: float) -> slice:
+    """Events between two times, with the last one before: it has led to where that begins.
+
+    One at the first time, up to rounding, leads there too; one at the other is not before it.
+    """
+    first = int(np.searchsorted(times - rounding, low, side="right"))
+    last = int(np.searchsorted(times + rounding, high, side="left"))
     return slice(max(0, first - 1), max(last, first))
