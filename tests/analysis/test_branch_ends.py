@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 import nonsmooth as ns
 from periodic_orbits.systems import rigid_wall
@@ -261,3 +263,42 @@ def test_a_closed_branch_ends_where_it_began():
     assert len(told) == len(set(told)) >= 4
     folds = sorted(value for kind, value in told if kind == "fold")
     assert len(folds) % 2 == 0  # the parameter comes back to where it was
+
+
+def relay_cycle() -> float:
+    """Length of the cycle of 1/(s + 1)^3 with an ideal relay, by Tsypkin's condition.
+
+    Half a turn takes the state to its negative, from the switch at which the output is zero.
+    """
+    flow = np.array([[-1.0, 1.0, 0.0], [0.0, -1.0, 1.0], [0.0, 0.0, -1.0]])
+
+    def output(half: float) -> float:
+        step = expm(half * flow)
+        forced = np.linalg.solve(flow, (step - np.eye(3)) @ [0.0, 0.0, 1.0])
+        return float(np.linalg.solve(np.eye(3) + step, -forced)[0])
+
+    return 2.0 * brentq(output, 1.0, 3.0, xtol=1e-14)
+
+
+@pytest.mark.parametrize("low", [-0.3, -1e-3])
+def test_a_branch_ends_at_the_last_motion_however_long_the_step(low):
+    """A relay whose two thresholds have come together chatters for ever beyond."""
+
+    def plant(u: str) -> dict[str, str]:
+        return {"a": "b - a", "b": "c - b", "c": f"{u} - c"}
+
+    relay = ns.System(
+        states=["a", "b", "c"],
+        parameters={"h": 0.1},
+        initial={"a": 0.3},
+        modes={
+            "down": ns.Mode(plant("-1"), exits=[ns.Exit("a + h", to="up", name="on")]),
+            "up": ns.Mode(plant("1"), exits=[ns.Exit("h - a", to="down", name="off")]),
+        },
+    )
+    branch = ns.continue_orbit(relay, "h", (low, 0.9), direction="down")
+    assert branch.attrs["end_first"] == "word_change"
+    assert value(branch, "word_change") == pytest.approx(0.0, abs=1e-9)
+    assert bool(branch["admissible"][0])
+    assert float(branch["length"][0]) == pytest.approx(relay_cycle(), rel=1e-9)
+    assert "on>off" in branch.attrs["message"]  # what happens beyond

@@ -507,9 +507,10 @@ def end_at(name: str, looked: Looked, stretch: BranchStretch) -> Followed:
     if kind in _ENDS:
         return Followed(kind_of(name), f"the branch ends: {_ENDS[kind]}")
     reason = looked.admissibility.reason
+    where = f"{stretch.options.parameter} = {looked.values[stretch.place]:.6g}"
     return Followed(
         kind_of(name),
-        f"the branch ends where its word stops being valid ({kind_of(name)}"
+        f"the branch ends at {where}, where its word stops being valid ({kind_of(name)}"
         + (f": {reason}" if reason else "")
         + "), and no orbit of a changed word goes on from there; inadmissible=True follows the"
         " equations of the word beyond",

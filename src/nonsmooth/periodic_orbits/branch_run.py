@@ -28,7 +28,7 @@ from nonsmooth.periodic_orbits.cycle_end import end_of_cycles, is_nothing
 from nonsmooth.periodic_orbits.cycle_plane import direction_on, is_flat, on_new_plane
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
-from nonsmooth.periodic_orbits.newton import scale_of
+from nonsmooth.periodic_orbits.newton import scale_of, solve_orbit
 from nonsmooth.periodic_orbits.orbit import primitive_parts
 from nonsmooth.periodic_orbits.step_check import StepCheck
 from nonsmooth.periodic_orbits.stretch import (
@@ -57,6 +57,7 @@ _CLOSED = 1e-5  # scaled distance from where a branch was before
 _LEAST = 1e-2  # of the size of the first orbit: smaller ones are not measured by their own
 _CLOSE = 1e-4  # of a test that is about to vanish where no step succeeds any more
 _BEYOND = 1e-8  # of a test that vanishes together with another one, by rounding
+_BACK = (1e-10, 1e-8, 1e-6, 1e-4)  # of the last step: from an end to the last motion before it
 _NEVER_AGAIN = ("", "bound", "flip", "torus")
 _NO_CHANGE = ("", "section")  # kinds of starts at which the word stays, but for its beginning
 
@@ -190,6 +191,8 @@ class _StretchWalk:
         except Exception as fault:  # whatever it is, the points so far are kept
             self.ended = Followed("fault", _fault_at(self.stretch, point, fault))
             return
+        if part is not None and name == "motion" and self.following is None:
+            part = self._at_last_motion(part)
         if self.following is not None and self._becomes_shorter(self.following):
             detail = self.following.detail or "a shorter orbit, passed several times"
             part = part or self._part(looked, point, kind_of(name), detail)
@@ -199,6 +202,27 @@ class _StretchWalk:
             yield part
         if self.following is None and self.ended is None:
             self.ended = end_at(name, looked, self.stretch)
+
+    def _at_last_motion(self, part: BranchPart) -> BranchPart:
+        """The end of a branch that the engine alone tells, on that side of it where motions are.
+
+        The last point before may be a long step away.
+        """
+        if self._stands is None or part.looked.admissibility.admissible:
+            return part
+        u, p = self.stretch.equations.pack(part.looked.turn), part.value
+        before = self._stands[0]
+        for share in _BACK:
+            value = p + share * (before.p - p)
+            try:
+                self.stretch.set_parameter(value)
+                found = solve_orbit(self.stretch.equations, u + share * (before.u - u))
+                looked = self.stretch.look(replace(before, u=found.unknowns, p=value))
+            except LegError:
+                continue
+            if found.status == "completed" and looked.admissibility.admissible:
+                return replace(part, looked=looked, value=value)
+        return part
 
     def _is_repeated(self, looked: Looked) -> bool:
         """Whether a turn passes twice through a shorter orbit, to what a fold is located."""
