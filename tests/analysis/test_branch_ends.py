@@ -302,3 +302,37 @@ def test_a_branch_ends_at_the_last_motion_however_long_the_step(low):
     assert bool(branch["admissible"][0])
     assert float(branch["length"][0]) == pytest.approx(relay_cycle(), rel=1e-9)
     assert "on>off" in branch.attrs["message"]  # what happens beyond
+
+
+def test_a_branch_ends_where_both_walls_are_only_touched():
+    """A ball in a cavity rests where the cavity just reaches it on either side.
+
+    Equations with one wall alone are solved there by balls at rest, which are no orbit that goes
+    on: of F the branch has one end, and it is told within few steps.
+    """
+    before = "(v + m*u {0} m*r*(u - v))/(1 + m)", "(v + m*u {0} r*(u - v))/(1 + m)"
+    impact = {"v": before[0].format("+"), "u": before[1].format("-")}
+    values = {"m": 0.08, "d": 0.02, "F": 0.045, "w": 0.98, "b": 0.9, "r": 0.65}
+    cavity = ns.System(
+        states=["x", "v", "y", "u"],
+        parameters=values,
+        period="2*pi/w",
+        modes={
+            "flies": ns.Mode(
+                {"x": "v", "v": "F*cos(w*t) - d*v - x", "y": "u", "u": "0"},
+                exits=[
+                    ns.Exit("b - (y - x)", reset=impact, sticks="right"),
+                    ns.Exit("b + (y - x)", reset=impact, sticks="left"),
+                ],
+            )
+        },
+        symmetry={"x": "-x", "v": "-v", "y": "-y", "u": "-u"},
+    )
+    branch = ns.continue_orbit(cavity, "F", (0.005, 0.046), direction="down", transient=1000)
+    assert branch.attrs["end_first"] == "grazing"
+    assert "zero speed" in branch.attrs["message"]
+    assert "no orbit of a changed word" in str(branch["special_detail"].values[0])
+    # the cavity alone swings as far as it is wide
+    width = values["b"] * np.hypot(1.0 - values["w"] ** 2, values["d"] * values["w"])
+    assert value(branch, "grazing") == pytest.approx(width, rel=1e-6)
+    assert branch.sizes["point"] < 60

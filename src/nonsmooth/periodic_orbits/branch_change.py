@@ -507,6 +507,8 @@ def end_at(name: str, looked: Looked, stretch: BranchStretch) -> Followed:
     if kind in _ENDS:
         return Followed(kind_of(name), f"the branch ends: {_ENDS[kind]}")
     reason = looked.admissibility.reason
+    if not reason and kind != "motion":
+        reason = in_words(stretch.options.system, stretch.equations.word, name)
     where = f"{stretch.options.parameter} = {looked.values[stretch.place]:.6g}"
     return Followed(
         kind_of(name),

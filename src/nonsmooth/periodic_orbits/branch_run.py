@@ -27,6 +27,7 @@ from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_w
 from nonsmooth.periodic_orbits.cycle_end import end_of_cycles, is_nothing
 from nonsmooth.periodic_orbits.cycle_plane import direction_on, is_flat, on_new_plane
 from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of, solve_orbit
 from nonsmooth.periodic_orbits.orbit import primitive_parts
@@ -51,13 +52,15 @@ _SHORTER = (
     "orbits beyond it are those of a shorter period, passed more than once; their branch is that of"
     " find_orbit with a smaller period="
 )
+_NOWHERE = "no orbit of a changed word begins there"
 _AT_HALVING = ("branch_point", "fold")  # a doubled branch turns back where it has come back
 _REPEATED = 1e-5  # part of its size within which a turn repeats a shorter orbit
 _CLOSED = 1e-5  # scaled distance from where a branch was before
 _LEAST = 1e-2  # of the size of the first orbit: smaller ones are not measured by their own
 _CLOSE = 1e-4  # of a test that is about to vanish where no step succeeds any more
 _BEYOND = 1e-8  # of a test that vanishes together with another one, by rounding
-_BACK = (1e-10, 1e-8, 1e-6, 1e-4)  # of the last step: from an end to the last motion before it
+_BESIDE = (1e-10, 1e-8, 1e-6, 1e-4)  # of the last step: how far from a change orbits are looked at
+_UNCLEAR = 20  # points behind a change that rounding may leave open
 _NEVER_AGAIN = ("", "bound", "flip", "torus")
 _NO_CHANGE = ("", "section")  # kinds of starts at which the word stays, but for its beginning
 
@@ -82,6 +85,7 @@ class _StretchWalk:
         self._before: Mapping[str, float] = {}  # tests of the last point that was a motion
         self._direction = start.direction  # at the last point that is not special
         self._is_located = not start.located
+        self._unclear = 0  # points that rounding has left open so far
         self._grows = what_of(start.grows)
 
     def points(self, steps: int, report: Callable[[int], None]) -> Iterator[BranchPart]:
@@ -109,6 +113,8 @@ class _StretchWalk:
                     # a graze that was approached along an excursion, from its regular side
                     self._is_located = True
                     yield self._part(looked, point, self.start.kind, self.start.detail)
+                if self.leads_nowhere:
+                    return
                 continue
             if not self._is_located and first is not None:
                 # the start is the change itself, to rounding: no sign has changed behind it
@@ -125,6 +131,11 @@ class _StretchWalk:
         if branch.ended != "steps":
             message = ending_of_orbits(branch.ended, branch.message, name, point.p)
             self.ended = Followed(branch.ended, message)
+
+    @property
+    def leads_nowhere(self) -> bool:
+        """Whether orbits behind a change solve the equations of their word and are no motions."""
+        return self._unclear > _UNCLEAR
 
     def _past_end(self) -> Iterator[BranchPart]:
         """The change just before which no step succeeds, since a leg that vanishes spoils it."""
@@ -157,6 +168,7 @@ class _StretchWalk:
             return True  # before the graze, on its other side
         stands = _may_stand(self.stretch.options, looked)
         if not name and self.begin > 0.0 and not self._before and not stands:
+            self._unclear += 1
             return True  # where the word has just changed rounding decides what the engine finds
         # a test of the word that rises
         return is_of_word(name) and self._before.get(name, 1.0) < 0.0
@@ -191,8 +203,15 @@ class _StretchWalk:
         except Exception as fault:  # whatever it is, the points so far are kept
             self.ended = Followed("fault", _fault_at(self.stretch, point, fault))
             return
+        told = looked
         if part is not None and name == "motion" and self.following is None:
-            part = self._at_last_motion(part)
+            stands = looked.admissibility.admissible
+            beside = self._beside(looked, point.p, admissible=not stands)
+            if beside is not None and stands:
+                told = beside
+            elif beside is not None:
+                value = float(beside.values[self.stretch.place])
+                part = replace(part, looked=beside, value=value)
         if self.following is not None and self._becomes_shorter(self.following):
             detail = self.following.detail or "a shorter orbit, passed several times"
             part = part or self._part(looked, point, kind_of(name), detail)
@@ -201,28 +220,28 @@ class _StretchWalk:
         if part is not None:
             yield part
         if self.following is None and self.ended is None:
-            self.ended = end_at(name, looked, self.stretch)
+            self.ended = end_at(name, told, self.stretch)
 
-    def _at_last_motion(self, part: BranchPart) -> BranchPart:
-        """The end of a branch that the engine alone tells, on that side of it where motions are.
+    def _beside(self, looked: Looked, p: float, *, admissible: bool) -> Looked | None:
+        """The nearest motion before a change that the engine alone tells, or what is none beyond.
 
         The last point before may be a long step away.
         """
-        if self._stands is None or part.looked.admissibility.admissible:
-            return part
-        u, p = self.stretch.equations.pack(part.looked.turn), part.value
-        before = self._stands[0]
-        for share in _BACK:
+        if self._stands is None:
+            return None
+        u, before = self.stretch.equations.pack(looked.turn), self._stands[0]
+        for share in _BESIDE:
+            share = share if admissible else -share
             value = p + share * (before.p - p)
             try:
                 self.stretch.set_parameter(value)
                 found = solve_orbit(self.stretch.equations, u + share * (before.u - u))
-                looked = self.stretch.look(replace(before, u=found.unknowns, p=value))
+                there = self.stretch.look(replace(before, u=found.unknowns, p=value))
             except LegError:
                 continue
-            if found.status == "completed" and looked.admissibility.admissible:
-                return replace(part, looked=looked, value=value)
-        return part
+            if found.status == "completed" and there.admissibility.admissible == admissible:
+                return there
+        return None
 
     def _is_repeated(self, looked: Looked) -> bool:
         """Whether a turn passes twice through a shorter orbit, to what a fold is located."""
@@ -409,6 +428,8 @@ def _follow(
     done, along, trail = 0, 0.0, Trail()
     unexplained: list[float] = []
     begun: list[BranchStart] = []  # stretches behind changes of the word
+    # the last change of the word with its stretch, until a motion is found behind it
+    change: tuple[BranchPart, BranchStretch] | None = None
     first = scale_of(start.equations, start.unknowns)[: legs.n]
     spread = spread_along(start.equations, start.unknowns)
     # what is driven and shrinks is known to the rounding of what drives it
@@ -419,7 +440,21 @@ def _follow(
         trail.begin()
         stretch = BranchStretch(options, legs, start.equations, start.grows, least, trail)
         walk = _StretchWalk(stretch, start, along, spread)
-        yield from walk.points(options.steps - done, partial(_report, report, done))
+        for part in walk.points(options.steps - done, partial(_report, report, done)):
+            if change is not None:
+                yield change[0]
+            change = (part, stretch) if is_of_word(part.test) else None
+            if change is None:
+                yield part
+        if walk.leads_nowhere and change is not None:
+            part, before = change
+            what = in_words(options.system, part.word, part.test)
+            yield replace(part, detail=f"{what}; {_NOWHERE}")
+            yield _with_doubts(end_at(part.test, part.looked, before), options, unexplained)
+            return
+        if walk.following is None and change is not None:
+            yield change[0]
+            change = None
         unexplained += walk.check.unexplained
         if walk.ended is not None:
             yield _with_doubts(walk.ended, options, unexplained)
@@ -430,10 +465,14 @@ def _follow(
         done += walk.done + bool(start.kind or not walk.done)
         if start.kind not in _NO_CHANGE:
             if any(_same_start(start, other) for other in begun):
+                if change is not None:
+                    yield change[0]
                 closed = Followed("closed", "the branch came back to where it was: it is closed")
                 yield _with_doubts(closed, options, unexplained)
                 return
             begun.append(start)
+    if change is not None:
+        yield change[0]
     message = (
         f"{options.steps} steps were taken; allow more with steps=, or longer ones with"
         " largest_step="
