@@ -92,6 +92,25 @@ def test_the_orbit_between_two_walls(omega):
     )
 
 
+@pytest.mark.parametrize("late", [0.0, 1e-16, -1e-16, 3e-15, -3e-15, 1e-13, -1e-13])
+@pytest.mark.parametrize("period", [1, 2, 3])
+def test_the_orbit_between_two_walls_with_an_impact_at_the_section(late, period):
+    """Rounding decides on which side of the impact the section lies, and of its image at half."""
+    omega = 2.8
+    truth = ClosedForm(omega)
+    phase = truth.phi / (2.0 * np.pi) % 1.0 + late
+    start = dict(zip("xv", truth.at_phase_zero(), strict=True))
+    orbit = ns.find_orbit(between_walls(omega), start, phase=phase, period=period)
+    assert orbit["symmetric"].item()
+    np.testing.assert_allclose(np.abs(orbit["x"].item()), GAP, rtol=0, atol=1e-12)
+    # each strobe is on the same side of its impact
+    strobes = orbit["strobes"].values
+    np.testing.assert_allclose(strobes - strobes[:1], 0.0, rtol=0, atol=1e-12)
+    if period == 1:
+        half = np.sort_complex(orbit["half_multipliers"].values)
+        np.testing.assert_allclose(half, truth.multipliers(), rtol=0, atol=1e-11)
+
+
 def test_the_pitchfork_between_two_walls():
     """The branch finds it where the closed form has the multiplier -1, and two orbits leave it."""
     truth = brentq(lambda omega: ClosedForm(omega).broken(), 2.55, 2.65, xtol=1e-15)

@@ -36,6 +36,7 @@ class Turn:
         return np.diff(self.instants)
 
 
+_AT_SECTION = 1e-12  # part of the period by which an event may lie off the section by rounding
 _STEADY = 1e-9  # derivative of the change over a turn, and change beside the state, that are none
 
 
@@ -102,9 +103,12 @@ class OrbitEquations:
         """Unknowns as one vector."""
         return np.concatenate([turn.states.ravel(), turn.instants[1 : 1 + self.n_instants]])
 
-    def states_along(self, turn: Turn, times: Floats) -> Floats:
-        """States of an orbit at some times within its turn, (K, n)."""
-        legs = np.searchsorted(turn.instants[1:-1], times, side="right")
+    def states_along(self, turn: Turn, times: Floats, ahead: float = 0.0) -> Floats:
+        """States of an orbit at some times within its turn, (K, n).
+
+        Those behind events up to a time ``ahead``.
+        """
+        legs = np.searchsorted(turn.instants[1:-1], times + ahead, side="right")
         word = Word(tuple(self.word.modes[k] for k in legs), ((),) * times.size)
         found = self.legs.follow_each(word, turn.states[legs], turn.instants[legs], times)
         return found.ends.copy()
@@ -118,7 +122,10 @@ class OrbitEquations:
         if self.autonomous or self.period == 1:
             return first
         times = turn.instants[0] + self.legs.window * np.arange(1, self.period)
-        return np.concatenate([first, self.states_along(turn, times)])
+        # an event at the section is on the same side of each strobe as of the first one
+        ahead = _AT_SECTION * self.legs.window
+        ahead = ahead if turn.durations[-1] <= ahead else -ahead
+        return np.concatenate([first, self.states_along(turn, times, ahead)])
 
     def unpack(self, unknowns: Floats) -> Turn:
         """Unknowns as states and instants, for the parameter values of the legs."""

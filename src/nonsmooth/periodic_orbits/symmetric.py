@@ -172,13 +172,32 @@ def _possible(equations: OrbitEquations, *, half_period: bool) -> Iterator[float
 def _is_own_image(
     equations: OrbitEquations, turn: Turn, later: float, matrix: Floats, offset: Floats
 ) -> bool:
-    length = float(turn.instants[-1] - turn.instants[0])
-    now = equations.states_along(turn, turn.instants[0] + _SHARES * length)
-    then = equations.states_along(turn, turn.instants[0] + (_SHARES + later) * length)
+    length, shares = float(turn.instants[-1] - turn.instants[0]), _places(equations, turn, later)
+    now = equations.states_along(turn, turn.instants[0] + shares * length)
+    then = equations.states_along(turn, turn.instants[0] + (shares + later) * length)
     keep = ~equations.drifting
     images = now @ matrix.T + offset
     size = np.abs(np.concatenate([images, then, turn.states])).max(axis=0)[keep]
     return bool(keep.any() and np.all(np.abs(images - then)[:, keep] <= _SAME * (size + 1e-300)))
+
+
+def _places(equations: OrbitEquations, turn: Turn, later: float) -> Floats:
+    """Parts of the turn at which an orbit is compared with itself that much later.
+
+    Rounding decides on which side of a reset a state is that lies at one.
+    """
+    first, length = turn.instants[0], float(turn.instants[-1] - turn.instants[0])
+    events = turn.instants if equations.word.closes_at_event else turn.instants[1:-1]
+    events = (events - first) / length
+    events = np.concatenate([events, events - later]) % 1.0
+    if not events.size:
+        return _SHARES
+    apart = np.abs((_SHARES[:, None] - events + 0.5) % 1.0 - 0.5).min(axis=1)
+    within = np.sort(events[events < 1.0 - later])
+    edges = np.concatenate([[0.0], within, [1.0 - later]])
+    widest = int(np.argmax(np.diff(edges)))
+    middle = 0.5 * (edges[widest] + edges[widest + 1])
+    return np.append(_SHARES[apart > _AT_EVENT], middle)
 
 
 def _half_multipliers(equations: OrbitEquations, turn: Turn, matrix: Floats) -> Complexes:
@@ -204,7 +223,11 @@ def _half_tangent(equations: OrbitEquations, turn: Turn) -> Floats:
     ends_at_event = abs(turn.instants[nearest] - half) <= _AT_EVENT * length
     whole = nearest if ends_at_event else int(np.searchsorted(turn.instants, half)) - 1
     product = np.eye(factors.flow.shape[1])
-    for flow, event in zip(factors.flow[:whole], factors.events[:whole], strict=True):
+    events = list(factors.events[:whole])
+    if ends_at_event and not equations.word.closes_at_event:
+        if turn.durations[0] <= _AT_EVENT * length:  # the event at the section is in the first half
+            events[-1] = np.eye(len(product))  # and its image in the second one
+    for flow, event in zip(factors.flow[:whole], events, strict=True):
         product = event @ flow @ product
     if not ends_at_event:
         stays, n = ~equations.drifting, equations.legs.n
