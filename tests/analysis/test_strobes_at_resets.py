@@ -52,6 +52,30 @@ def square_wave(T):
     )
 
 
+def buck(V):
+    """A buck converter in voltage mode, whose ramp is a clock that is reset (Hamill et al.)."""
+    clock = {"reset": {"c": "0"}, "name": "clock"}
+
+    def flow(switch):
+        return {"vc": "il/C - vc/(R*C)", "il": f"({switch} - vc)/L", "c": "1/T"}
+
+    return ns.System(
+        states=["vc", "il", "c"],
+        parameters={"V": V, "R": 22.0, "L": 0.02, "C": 47e-6, "T": 400e-6},
+        initial={"vc": 12.0, "il": 0.55},
+        definitions={"ahead": "3.8 + 4.4*c - 8.4*(vc - 11.3)"},
+        period="T",
+        modes={
+            "on": ns.Mode(
+                flow("V"), exits=[ns.Exit("1-c", to="on", **clock), ns.Exit("ahead", to="off")]
+            ),
+            "off": ns.Mode(
+                flow("0"), exits=[ns.Exit("1-c", to="off", **clock), ns.Exit("-ahead", to="on")]
+            ),
+        },
+    )
+
+
 def wave_at(phase):
     """Its periodic motion at the phases 0 and 1/2, in closed form."""
     half = np.exp(-0.5)
@@ -97,6 +121,13 @@ def test_columns_of_a_diagram_are_all_alike():
     points = np.sort(found["x"].values[:, 0, :2], axis=1)
     assert np.allclose(points, pair, rtol=0, atol=1e-9)
     assert np.allclose(found["events"], 1.5, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("V", "period"), [(23.0, 1), (24.0, 1), (28.0, 2), (30.5, 2)])
+def test_the_buck_converter_has_the_same_regime_at_any_phase(V, period):
+    for phase in (0.0, 0.5):  # nothing falls on the second one
+        seen = ns.regime(buck(V), phase=phase)
+        assert (seen["regime"].item(), seen["period"].item()) == ("periodic", period)
 
 
 @pytest.mark.parametrize("T", ENDS)
@@ -184,3 +215,22 @@ def test_the_window_of_a_system_without_a_period_sets_no_bound_for_quick_events(
     times = np.array([0.25, 0.75, 1.75, 2.75]) * gap
     run = ns.simulate(system, {"x": 0.5 * gap, "v": 1.0}, times=times)
     assert run["v"].values.tolist() == [1.0, -1.0, 1.0, -1.0]
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.5])
+def test_what_repeats_at_a_phase_that_nothing_holds_is_no_torus(phase):
+    # two starts a little apart in c stay so: a family of cycles, each of period two
+    found = ns.attractors(
+        ns.StroboscopicMap(buck(28.0), phase=phase),
+        {"vc": (11.5, 12.5), "il": (0.4, 0.8)},
+        completion={"c": phase},
+        samples=20,
+        record=2000,
+    )
+    assert found.sizes["attractor"] == 0
+    assert "PoincareMap" in found.attrs["message"]
+    section = ns.attractors(
+        ns.PoincareMap(buck(28.0), "clock"), {"vc": (11.5, 12.5), "il": (0.4, 0.8)}, samples=20
+    )
+    assert section["kind"].values.tolist() == ["periodic"]
+    assert section["period"].values.tolist() == [2]

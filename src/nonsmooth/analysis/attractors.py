@@ -185,7 +185,7 @@ def attractors(
     if found.complete:
         message = search_message(
             "starts", counts["unsettled_starts"], counts["ended_starts"], order,
-            counts["unreturned_starts"],
+            counts["unreturned_starts"], chosen,
         )  # fmt: skip
     if counts["unreturned_starts"]:
         told = said_of_unreturned("starts", counts["unreturned_starts"])

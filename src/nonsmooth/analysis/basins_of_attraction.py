@@ -260,7 +260,9 @@ def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, An
     status = "completed" if basins.complete else "interrupted"
     message = "interrupted by the user; the cells that are done are kept"
     if basins.complete:
-        message = search_message("cells", counts["unsettled_cells"], counts["ended_cells"], order)
+        message = search_message(
+            "cells", counts["unsettled_cells"], counts["ended_cells"], order, chosen=chosen
+        )
     if basins.remark:
         message = f"{message}; {basins.remark}"
     attrs = result_attributes(system, status, message, options | counts | dict(basins.notes))

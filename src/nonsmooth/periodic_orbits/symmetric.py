@@ -224,9 +224,9 @@ def _half_tangent(equations: OrbitEquations, turn: Turn) -> Floats:
     whole = nearest if ends_at_event else int(np.searchsorted(turn.instants, half)) - 1
     product = np.eye(factors.flow.shape[1])
     events = list(factors.events[:whole])
-    if ends_at_event and not equations.word.closes_at_event:
-        if turn.durations[0] <= _AT_EVENT * length:  # the event at the section is in the first half
-            events[-1] = np.eye(len(product))  # and its image in the second one
+    at_section = turn.durations[0] <= _AT_EVENT * length and not equations.word.closes_at_event
+    if ends_at_event and at_section:  # that event is in the first half, its image in the second one
+        events[-1] = np.eye(len(product))
     for flow, event in zip(factors.flow[:whole], events, strict=True):
         product = event @ flow @ product
     if not ends_at_event:

@@ -13,7 +13,9 @@ from nonsmooth.analysis.basins.attractor import Attractor
 from nonsmooth.analysis.statistics.escape import escape_rate_below, said_of_chaos
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.strobe_runner import StrobeRunner
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
@@ -191,9 +193,10 @@ def share_error(share: Any, count: int) -> Any:
 
 
 def search_message(
-    what: str, unsettled: int, ended: int, attractors: Sequence[Attractor], unreturned: int = 0
-) -> str:
-    """What a finished search has to say of its starts or cells, and of what it has found.
+    what: str, unsettled: int, ended: int, attractors: Sequence[Attractor], unreturned: int = 0,
+    chosen: Any = None,
+) -> str:  # fmt: skip
+    """What a finished search of a map says of its starts or cells, and of what it has found.
 
     Those that do not return to their section are some of those that ended.
     """
@@ -209,6 +212,11 @@ def search_message(
             f"{unsettled} {what} came to no attractor: they stay on a motion that is not stable, or"
             " come near one too slowly; for the second, raise longest= and record="
         )
+        if isinstance(chosen, StroboscopicMap) and not is_driven(build_tables(chosen.system)):
+            said.append(
+                "no equation reads the time, so strobes leave open at which phase a motion is:"
+                " take a PoincareMap of a section or an event"
+            )
     if unreturned:
         said.append(said_of_unreturned(what, unreturned))
         ended -= unreturned

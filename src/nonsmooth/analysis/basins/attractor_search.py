@@ -77,6 +77,7 @@ _LOW, _HIGH = 1.0, 99.0  # percentiles between which states spread; single lanes
 _GROWS = 2.0  # factor by which lanes on their way to infinity grow at least
 _LEAST_SPREAD = 1e-3  # of a state, beside its spread at the start
 _ROUNDING = 1e-8  # of a state, beside its size: differences below are those of rounding
+_ALMOST = 1e-10  # beside the scale: a clock that nothing holds gains a rounding in each iterate
 _EXACTLY = 1e-13  # beside the scale, to which motions on an unstable cycle repeat
 
 FIRST_LOOK = 64  # images from which the units of the states are taken
@@ -344,6 +345,10 @@ class AttractorSearch:
                 # a start may lie on an unstable cycle, or come to it along a symmetry
                 if found is not None and (exactly or done >= self.record):
                     return UNSETTLED, False
+                # what repeats and is no cycle by itself is one of a family: nothing holds its phase
+                looked_at = done >= min(2 * _LOOK, self.record)
+                if found is None and looked_at and self._period(points, _ALMOST):
+                    return UNSETTLED, False
             if done >= end:
                 answer = self._with_set(points, modes, is_last=end >= _RUN_ON * self.record)
                 if answer is not None:
@@ -352,15 +357,18 @@ class AttractorSearch:
 
     def _cycle(self, points: Floats, modes: Integers) -> tuple[Attractor | None, bool]:
         """Cycle that the last points repeat, refined, and whether they do so to rounding."""
-        last = points[len(points) // 2 :][-_LOOK:]  # the rest may belong to the way there
-        scale = self.known.measure.scale
-        period = primitive_period(last, self.drifting, scale, self.match)
+        period, scale = self._period(points, self.match), self.known.measure.scale
+        last = _last(points)
         if period == 0:
             return None, False
         found = cycle_from(
             self.runner, self.known.measure, last[-1], int(modes[-1]), period, self.drifting
         )
         return found, primitive_period(last, self.drifting, scale, _EXACTLY) > 0
+
+    def _period(self, points: Floats, match: float) -> int:
+        """Period with which the last points repeat, 0 where they do not."""
+        return primitive_period(_last(points), self.drifting, self.known.measure.scale, match)
 
     def _with_cycle(self, found: Attractor) -> tuple[int, bool]:
         same = self.known.same_cycle(found, _SAME_CYCLE)
@@ -401,6 +409,11 @@ class AttractorSearch:
             for part in np.array_split(scaled, 4)[2:]
         )
         return bool(np.all(last < _STILL * third))
+
+
+def _last(points: Floats) -> Floats:
+    """Points among which a period is looked for: those before may belong to the way there."""
+    return points[len(points) // 2 :][-_LOOK:]
 
 
 @dataclass(frozen=True)
