@@ -2,9 +2,9 @@
 
 Unknowns are the states at the start of every leg and the instants of the events between them; the
 equations, that each leg leads to the start of the next one, that its guard vanishes at its end,
-and that the last leg closes the orbit, but for drifts and whole turns of angles. States at every leg as unknowns keep an
-orbit of a hundred legs, or one that is very unstable, within rounding (multiple shooting); instants
-as unknowns keep the equations smooth where an orbit grazes.
+and that the last leg closes the orbit, but for drifts and whole turns of angles. States at every
+leg as unknowns keep an orbit of a hundred legs, or one that is very unstable, within rounding
+(multiple shooting); instants as unknowns keep the equations smooth where an orbit grazes.
 """
 
 from __future__ import annotations

@@ -143,9 +143,9 @@ def equations_for(wanted: OrbitRequest, legs: Legs, guess: Guess) -> OrbitEquati
 def solve_guess(wanted: OrbitRequest, legs: Legs, guess: Guess) -> OrbitResult:
     """Newton's method from a guess; drifts begin at zero, angles within half a turn of it."""
     drifting = np.array([name in wanted.system.drift_states for name in wanted.system.states])
-    first = guess.turn.states[0]
-    turned = whole_turns(first, periods_of_states(wanted.system))
-    states = guess.turn.states - np.where(drifting, first, turned)
+    begin = guess.turn.states[0]
+    turned = whole_turns(begin, periods_of_states(wanted.system))
+    states = guess.turn.states - np.where(drifting, begin, turned)
     guess = Guess(guess.word, Turn(states, guess.turn.instants))
     equations = equations_for(wanted, legs, guess)
     unknowns = equations.pack(guess.turn)

@@ -122,9 +122,7 @@ class _Collection:
         if smooth:
             self._smooth_cycles()
         for n in range(1, 1 + (0 if smooth else self.how.longest)):
-            returns = close_returns(
-                motions, n, self.spread, self.angle_periods, self.how.guesses
-            )
+            returns = close_returns(motions, n, self.spread, self.angle_periods, self.how.guesses)
             self._solve_returns(motions, returns, replace(self.wanted, period=n))
 
     def _solve_returns(

@@ -417,8 +417,9 @@ class _Motions:
         kept, length = states[neighbours.turn - 1 :], self.group.length(i)
         strobes, looks = (kept[::2], kept[1::2]) if self.autonomous else (kept, kept[1:])
         evidence = Evidence(
-            growth, strobes, looks, length, tuple(self.system.states), self.drifting, self.sizes[i],
-            self.autonomous, hides_phase(self.group.runner.tables(i), length),
+            growth, strobes, looks, length, tuple(self.system.states), self.drifting,
+            self.group.angle_periods > 0.0, self.sizes[i], self.autonomous,
+            hides_phase(self.group.runner.tables(i), length),
         )  # fmt: skip
         found = by_growth(seen, evidence, self.protocol)
         if found.label != labels.CHAOTIC:

@@ -239,10 +239,10 @@ def no_closed_orbit(
 ) -> str:
     """Why two windows show no closed orbit, "" where they do.
 
-    One state alone goes one way for ever unless events turn it back.
+    One state alone goes one way for ever unless events turn it back or it is an angle.
 
     shapes: earlier and later (K, n), drifting states left out; sizes (n,) of the states since the
-    start; turns: whether events happen
+    start; turns: whether events happen, or a state is an angle
     """
     if len(names) < 2 and not turns:
         return (

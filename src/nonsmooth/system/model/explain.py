@@ -152,7 +152,8 @@ def _states(system: EvaluatedSystem) -> Iterator[tuple[str, str]]:
     for name in system.states:
         notes = [system.describe.get(name, "")]
         if isinstance(system.drift, Mapping) and name in system.drift:
-            notes.append(f"an angle of period {system.drift[name]}")
+            drifts = "" if name in system.angles else ", on which nothing depends: it drifts"
+            notes.append(f"an angle of period {system.drift[name]}{drifts}")
         elif name in system.drift:
             notes.append("drifts")
         if system.rest_state[name] != 0.0:

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from nonsmooth.engine.tables import FREE, RESTING
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.compile.dependence import where_it_stands
+from nonsmooth.system.compile.structure import SystemStructure
 from nonsmooth.system.model.evaluated import EvaluatedSystem
 from nonsmooth.system.parts import Text
 from nonsmooth.system.text.evaluate import constant_value, evaluate

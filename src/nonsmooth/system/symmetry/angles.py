@@ -43,9 +43,7 @@ def _check_shift(system: EvaluatedSystem, name: str, period: float, shifted: Sta
                 " and logarithms of what is negative there; scale the states to sizes of about one"
             )
     empty = [is_empty(cell.forms, place.values, place.sizes) for cell, place in pairs]
-    live = [
-        live_exits(cell.forms, place.values, place.sizes, empty) for cell, place in pairs
-    ]
+    live = [live_exits(cell.forms, place.values, place.sizes, empty) for cell, place in pairs]
     for i, (cell, place) in enumerate(pairs):
         if empty[i]:
             continue
