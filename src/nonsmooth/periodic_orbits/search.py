@@ -144,8 +144,8 @@ def solve_guess(wanted: OrbitRequest, legs: Legs, guess: Guess) -> OrbitResult:
     """Newton's method from a guess; drifts begin at zero, angles within half a turn of it."""
     drifting = np.array([name in wanted.system.drift_states for name in wanted.system.states])
     begin = guess.turn.states[0]
-    turned = whole_turns(begin, periods_of_states(wanted.system))
-    states = guess.turn.states - np.where(drifting, begin, turned)
+    over = whole_turns(begin, periods_of_states(wanted.system))
+    states = guess.turn.states - np.where(drifting, begin, over)
     guess = Guess(guess.word, Turn(states, guess.turn.instants))
     equations = equations_for(wanted, legs, guess)
     unknowns = equations.pack(guess.turn)

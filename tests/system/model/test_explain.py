@@ -93,7 +93,7 @@ def test_everything_that_a_system_may_have():
     )
     lines = rows(told(system))
     assert "x place [mm]; 0.25 at rest" in lines
-    assert "a an angle of period 2*pi" in lines
+    assert "a an angle of period 2*pi, on which nothing depends: it drifts" in lines
     assert "k = 4 stiffness" in lines
     assert "period none declared" in lines
     assert "s from s - x = k" in lines

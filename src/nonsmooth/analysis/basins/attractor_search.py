@@ -142,13 +142,13 @@ def cycle_from(
                 return cycle_from(runner, measure, state, mode, shorter, drifting)
     if cycle is None or not cycle.step <= _PLACED:
         return None
+    turns = turned(runner, cycle.points[0], int(cycle.modes[0]), period)
     return canonical(
         Attractor(
             points=cycle.points,
             modes=cycle.modes,
             period=period,
-            drift=(cycle.drift + turned(runner, cycle.points[0], int(cycle.modes[0]), period))
-            / period,
+            drift=(cycle.drift + turns) / period,
             kind="periodic",
             multipliers=cycle.multipliers,
             residual=cycle.residual,
