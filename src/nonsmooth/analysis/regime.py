@@ -171,8 +171,9 @@ def regime(
         within each strobe interval, over two windows of ``evidence`` intervals: the values of each
         state, sorted, differ in the mean by no more than 5 % of its spread, and nine in ten of the
         later states lie within 5 % of an earlier one. Nor do the spreads of all states halve, or
-        fall while the values differ by more. So motions that come to rest slowly, grow or travel are
-        ``unsettled``, and so are cycles that are long beside a window; a longer ``period`` helps.
+        fall while the values differ by more. So motions that come to rest slowly, grow or travel
+        are ``unsettled``, and so are cycles that are long beside a window; a longer ``period``
+        helps.
     ``absorbed``
         Impacts accumulate and no exit sticks, or an exit to 'stop' ends the run. However chaotic
         the motion was before, it has no exponent.

@@ -61,7 +61,9 @@ class System(EvaluatedSystem):
     outputs : mapping of str to str, optional
         Quantities recorded beside the states, usable in every equation too.
     period : str or float, optional
-        Period of the forcing; checked against the harmonics in the equations. Where a signal or
+        Period of the forcing; checked against the harmonics in the equations. Where time does not
+        stand in the equations at all, nothing drives the system whatever is declared here: the
+        period is the time between strobes, and an orbit has a length of its own. Where a signal or
         ``t`` by itself stands in them as well, it is the time between strobes and no more: runs
         and their strobes are as ever, and what needs a motion that repeats says so.
     drift : sequence of str or mapping of str to str, optional

@@ -244,3 +244,16 @@ def test_bodies_that_stick_together_are_named_together():
     stick = rows(text[text.index("cell flow[0]") :])
     (row,) = [line for line in stick if "oscillates" in line]
     assert row.startswith("x, vx, vy oscillates")
+
+
+@pytest.mark.parametrize(
+    ("force", "is_driven"),
+    [("0", False), ("-sin(x)", False), ("cos(2*t)", True), ("sin(x)*cos(2*t)", True)],
+)
+def test_a_period_drives_nothing_by_itself(force, is_driven):
+    system = System(
+        states=["x", "v"], period="pi", equations={"x": "v", "v": f"{force} - 0.1*v"}
+    )  # fmt: skip
+    assert system.is_driven is is_driven
+    alone = "period pi, about 3.142: the time between strobes alone, for nothing depends on time"
+    assert rows(told(system)).count(alone) == (not is_driven)

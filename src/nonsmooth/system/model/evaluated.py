@@ -94,6 +94,12 @@ class EvaluatedSystem(SystemData):
         return ""
 
     @property
+    def is_driven(self) -> bool:
+        """Whether time stands in the equations: as harmonics, as powers, or as signals."""
+        structure = self.structure
+        return bool(structure.frequencies or structure.time_order or self.signals)
+
+    @property
     def mode_names(self) -> tuple[str, ...]:
         """Names of the modes that run, in order: piecewise ones by their cells."""
         return tuple(forms.label for forms in self.structure.running)
