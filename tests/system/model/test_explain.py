@@ -108,7 +108,8 @@ def test_everything_that_a_system_may_have():
     [(None, "none declared"), (0.5, "about 0.5 s"), ("pi", "pi, about 3.142 s")],
 )
 def test_periods(period, shown):
-    system = System.from_matrices([[-1.0]], period=period, describe={"time": "time [s]"})
+    force = "0" if period is None else f"cos(2*pi*t/({period}))"
+    system = System.from_matrices([[-1.0]], [force], period=period, describe={"time": "time [s]"})
     assert f"period {shown}" in rows(told(system))
 
 
