@@ -44,4 +44,5 @@ def test_the_gain_that_is_told_makes_the_fit_converge():
     assert found.attrs["status"] == "completed"
     assert "constant gain" not in found.attrs["message"]
     low, high = found["interval_low"].values, found["interval_high"].values
-    assert np.all((low < [1.4, 0.15]) & ([1.4, 0.15] < high))
+    truth = np.array([1.4, 0.15])
+    assert np.all((low < truth) & (truth < high))

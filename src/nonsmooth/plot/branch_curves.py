@@ -52,6 +52,7 @@ _MARKS: dict[str, tuple[str, str]] = {
     "adding_sliding": ("4", PALETTE["purple"]),
     "sliding": ("<", PALETTE["green"]),
     "hopf": (">", PALETTE["blue"]),
+    "boundary_equilibrium": (">", PALETTE["orange"]),
     "word_change": ("h", "white"),
     "cusp": ("*", PALETTE["vermilion"]),
     "fold_flip": ("h", PALETTE["sky"]),
