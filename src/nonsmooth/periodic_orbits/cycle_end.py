@@ -157,7 +157,7 @@ def _root(
     before, (old, _) = p, function(p)
     p += aside
     for _ in range(_NEWTON):
-        new, rest = function(p)
+        new, _ = function(p)
         step = -new * (p - before) / (new - old) if new != 0.0 else 0.0
         before, old, p = p, new, p + step
         if abs(step) <= settled:
