@@ -37,6 +37,8 @@ def test_a_second_harmonic_raises_an_alarm(call, days, tmp_path):
         assert 6.0 < first < 6.0 + 3 * 12 * turn
         assert told["rate_low"] < told["rate_expected"] < told["rate_high"]
         np.testing.assert_allclose(told["threshold"], found["threshold"])
+    # people count windows from 1, programs from 0
+    assert f"window {told['first_alarm'] + 1} of {told['watched_windows']}," in result.stdout
     rows = told["windows_with_an_alarm"]
     assert len(rows) == told["alarms"] and rows[0]["leading"] == "x_harmonic_2"
     assert rows[0]["file"] == str(today)

@@ -293,3 +293,19 @@ def test_what_the_tab_key_completes(words, found):
     *before, last = words.split(" ")
     asked = ShellComplete(app, {}, "nonsmooth", "_NONSMOOTH_COMPLETE")
     assert {each.value for each in asked.get_completions(before, last)} == found
+
+
+@pytest.mark.parametrize("text", ["20", "2e1", "20.0", "4*5"])
+def test_whole_numbers_are_read_as_other_numbers_are(call, text):
+    words = ["strobe", "duffing", "--transient", text, "--record", "10", "--json"]
+    result = call(*words)
+    assert result.exit_code == 0, result.output
+    first = json.loads(result.stdout)["time"][0]  # behind so many periods, of 2 pi/1.2
+    assert first == pytest.approx(20 * 2 * np.pi / 1.2, rel=1e-12)
+
+
+@pytest.mark.parametrize("text", ["1.5", "nan", "inf", "1e400", "ten"])
+def test_other_numbers_are_no_whole_ones(call, text):
+    result = call("strobe", "duffing", "--transient", text)
+    assert result.exit_code == 2
+    assert f"'{text}' is not a whole number, such as 100" in result.stderr

@@ -38,6 +38,8 @@ def test_marks_lines_and_labels(healthy):
 def test_times_that_begin_anew_are_not_drawn_over(healthy):
     ax = ns.plot.alarm(found(healthy, time=[0.0, 1.0, 0.0, 1.0, 2.0]), legend=False)
     assert ax.get_xlabel() == "window" and ax.get_legend() is None
+    # windows are counted from 1, as the shell and people do
+    assert ax.lines[0].get_xdata().tolist() == [1.0, 3.0]
 
 
 def test_curves_side_by_side(healthy):

@@ -276,3 +276,20 @@ def test_colours_of_periods_are_those_of_the_map():
     assert shown == [PERIODS[1], PERIODS[2], PERIODS[2], "#000000", NOT_SETTLED]
     with pytest.raises(OptionError, match="unknown choice 'kind'"):
         ns.plot.basins(data, colour="kind")
+
+
+def test_basins_of_one_colour_have_a_border():
+    data = basins(
+        [[1, 1, 2], [1, 2, 2]], points=[[[0, 0]], [[2, 1]]], periods=[1, 1],
+        kinds=["periodic", "periodic"],
+    )  # fmt: skip
+
+    def borders(ax):
+        return [each for each in ax.collections if each.get_gid() == "borders within a colour"]
+
+    (lines,) = borders(ns.plot.basins(data, colour="period"))
+    drawn = {tuple(map(tuple, each.tolist())) for each in lines.get_segments()}
+    assert drawn == {
+        ((1.5, -0.5), (1.5, 0.5)), ((0.5, 0.5), (0.5, 1.5)), ((0.5, 0.5), (1.5, 0.5)),
+    }  # fmt: skip
+    assert not borders(ns.plot.basins(data))

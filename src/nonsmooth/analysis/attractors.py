@@ -96,10 +96,10 @@ def attractors(
         without an end, and the bound that follows, see notes), ``period`` in iterates, ``points``
         (over ``point`` and ``state``, nan behind the last one), ``multiplier_real`` and
         ``multiplier_imag``, the ``residual`` of the cycle beside the spread, ``word``, ``fraction``
-        of the starts with its standard error, drift per iterate such as ``v_per_iterate``, and,
-        where the system has a symmetry, ``image``: the number of the attractor that is its mirror
-        image, its own number where it is symmetric, 0 where the image is none of those found or
-        the map is no strobe of the forcing.
+        of the starts with its standard error, change per iterate of drifts and angles such as
+        ``v_per_iterate``, and, where the system has a symmetry, ``image``: the number of the
+        attractor that is its mirror image, its own number where it is symmetric, 0 where the image
+        is none of those found or the map is no strobe of the forcing.
         The attributes tell how many starts were unsettled, ended early or were inadmissible, and
         how many of those that ended never came back to the section of a `PoincareMap`.
 

@@ -120,8 +120,8 @@ def bifurcation_diagram(
         there are no more points. Over ``parameter`` and ``lane``: ``period`` in periods of the
         forcing, or in iterates of a map (0: none up to half of ``record``), ``word`` (modes of
         that period), ``events`` and ``impacts`` per period, see notes, ``transient_used``,
-        ``status``, ``n_uncertain``, ``n_estimated``, and for every drifting state its change per
-        period and per unit time, as in ``v_per_period`` (of a map, per iterate, as in
+        ``status``, ``n_uncertain``, ``n_estimated``, and for every drifting state and angle its
+        change per period and per unit time, as in ``v_per_period`` (of a map, per iterate, as in
         ``v_per_iterate``). After an interruption the columns that are done are there; a lane of
         them that is not has the status ``interrupted``.
 

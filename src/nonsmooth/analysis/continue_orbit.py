@@ -171,6 +171,10 @@ def continue_orbit(
     ``hopf``
         Where the branch ends: a cycle without events shrinks to a point. That is the rest whose
         perturbations neither grow nor decay, and stands as the last orbit.
+    ``boundary_equilibrium``
+        Where the branch ends: a cycle with events shrinks to a point, where a rest of one of its
+        modes meets the surface at which that mode ends. It stands as the last orbit, with the
+        multipliers of the last cycle.
     ``word_change``
         The engine finds another motion, although none of these happens.
     ``bound``, ``closed``

@@ -31,7 +31,7 @@ def find_orbit(
     mode: str | None = None,
     tolerance: float = 1e-12,
 ) -> xr.Dataset:
-    """Find a periodic orbit, with its stability; drifts apart.
+    """Find a periodic orbit, with its stability; drifts and whole turns of angles apart.
 
     Parameters
     ----------
@@ -73,8 +73,9 @@ def find_orbit(
         ``word``, ``residual`` (what the equations leave, as a part of the states), ``admissible``
         (whether it is a motion: no guard is passed that the word does not name), ``stable``,
         ``primitive_parts`` (how often the turn repeats a shorter orbit), ``log_determinant`` of
-        the tangent over one turn, and for every drifting state its change per period and per unit
-        time, as in ``v_per_period``. ``drift`` over ``drift_state``: the change over the turn.
+        the tangent over one turn, and for every drifting state and angle its change per period and
+        per unit time, as in ``v_per_period``. ``drift`` over ``drift_state``: the change over the
+        turn.
         ``multipliers`` (complex) over ``multiplier``, the largest first: those of drifts are left
         out, and in a system that nothing drives that of the motion along itself; directions that
         an event or a slaved state wipes out have exactly 0. Where the system declares a symmetry,

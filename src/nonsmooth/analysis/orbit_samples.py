@@ -114,6 +114,6 @@ def _dataset(
     coords: dict[str, Any] = {"time": (over, times, labels.attributes("time"))}
     if "drift" in orbit:
         variables["drift"] = (("drift_state",), orbit["drift"].values, dict(orbit["drift"].attrs))
-        coords["drift_state"] = (("drift_state",), np.array(system.drift_states))
+        coords["drift_state"] = (("drift_state",), np.array(tuple(system.drift)))
     attrs = {key: value for key, value in orbit.attrs.items() if key != "system"}
     return xr.Dataset(variables, coords, {"system": labels.system} | attrs)

@@ -204,8 +204,8 @@ def many_dataset(
         "time": (over, np.array(times), labels.attributes("time")),
         "state": (("state",), labels.states, {}),
     }
-    if system.drift_states:
-        coords["drift_state"] = (("drift_state",), np.array(system.drift_states), {})
+    if system.drift:
+        coords["drift_state"] = (("drift_state",), np.array(tuple(system.drift)), {})
     status = "interrupted" if found.interrupted else "completed" if members else "no_orbit"
     attrs = common(system) | {"status": status, "message": _message(found)}
     attrs |= said | _options(how)

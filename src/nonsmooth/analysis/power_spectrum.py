@@ -98,6 +98,7 @@ def power_spectrum(
     length = parts.values.shape[1]
     lines = lines_of(parts.values, check_window(window, length), parts.step)
     attrs = series.attrs | record_attributes(series, parts, window, transient)
-    what, unit = f"the {series.label['long_name']}", series.label.get("units", "")
+    label = series.label["long_name"]
+    what, unit = label if label == variable else f"the {label}", series.label.get("units", "")
     time_unit = run["time"].attrs.get("units", "")
     return spectrum_dataset(lines, parts.periods, what, unit, time_unit, attrs)

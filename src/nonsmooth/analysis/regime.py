@@ -101,8 +101,8 @@ def regime(
         states; the least where there is no period), ``exponent`` with ``exponent_error``, ``K``,
         ``transient_used`` (in strobes), ``chaotic_for`` and ``escape_rate_below`` (periods of chaos
         without an end, and the bound that follows, see notes; 0 and nan of other motions),
-        ``n_uncertain``, ``n_estimated``, and for every drifting
-        state its change per period and per unit time, as in ``v_per_period``. Over ``multiplier``:
+        ``n_uncertain``, ``n_estimated``, and for every drifting state and angle its change per
+        period and per unit time, as in ``v_per_period``. Over ``multiplier``:
         ``multiplier_real``, ``multiplier_imag`` and ``multiplier_modulus`` of a motion that
         repeats, the largest first. nan is what was not needed for the label. The attribute
         ``message`` tells the reason for the label.
@@ -126,9 +126,9 @@ def regime(
     is doubled. The labels and their rules:
 
     ``periodic``
-        Strobes repeat, but for drifts, and all multipliers lie inside the unit circle. A motion
-        that travels steadily, in which drifts alone change, has the period one, and the message
-        says so.
+        Strobes repeat, but for drifts and whole turns of angles, and all multipliers lie inside
+        the unit circle. A motion that travels steadily, in which drifts alone change, has the
+        period one, and the message says so.
     ``locked``
         So they do, and every perturbation is lost within one period, by rank, as where a mass
         rests for a while. The exponent is minus infinity. Where two windows of ``evidence`` lose
@@ -166,13 +166,14 @@ def regime(
     ``limit-cycle``
         Nothing drives the system, strobes do not repeat as the motion has a period of its own, and
         neighbours approach it: the exponent across it is below zero, or no perturbation across it
-        outlives its events. There are two states at least beside drifts, or one that events turn
-        back. And the motion comes back to where it was, looked at once more within each strobe
-        interval, over two windows of ``evidence`` intervals: the values of each state, sorted,
-        differ in the mean by no more than 5 % of its spread, and nine in ten of the later states
-        lie within 5 % of an earlier one. Nor do the spreads of all states halve, or fall while
-        the values differ by more. So motions that come to rest slowly, grow or travel are
-        ``unsettled``, and so are cycles that are long beside a window; a longer ``period`` helps.
+        outlives its events. There are two states at least beside drifts, or one that is an angle,
+        or that events turn back. And the motion comes back to where it was, looked at once more
+        within each strobe interval, over two windows of ``evidence`` intervals: the values of each
+        state, sorted, differ in the mean by no more than 5 % of its spread, and nine in ten of the
+        later states lie within 5 % of an earlier one. Nor do the spreads of all states halve, or
+        fall while the values differ by more. So motions that come to rest slowly, grow or travel
+        are ``unsettled``, and so are cycles that are long beside a window; a longer ``period``
+        helps.
     ``absorbed``
         Impacts accumulate and no exit sticks, or an exit to 'stop' ends the run. However chaotic
         the motion was before, it has no exponent.

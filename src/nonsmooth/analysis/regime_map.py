@@ -113,9 +113,10 @@ def regime_map(
         attributes, ``period`` and ``word`` as in `regime`, and ``computed``, 0 where these were
         filled. Where computed, else nan: ``events``, ``impacts``, ``exponent``,
         ``exponent_error``, ``K``, ``residual``, ``multiplier`` (the largest modulus), changes of
-        drifting states per period and per unit time, ``transient_used``, ``n_uncertain``,
-        ``n_estimated``. A variable that has the name of a parameter gets ``_of_motion`` behind its
-        name. After an interruption the points that are missing have the regime ``interrupted``.
+        drifting states and angles per period and per unit time, ``transient_used``,
+        ``n_uncertain``, ``n_estimated``. A variable that has the name of a parameter gets
+        ``_of_motion`` behind its name. After an interruption the points that are missing have the
+        regime ``interrupted``.
 
     Raises
     ------

@@ -25,6 +25,7 @@ from nonsmooth.runs.start import Start, resolve_start
 from nonsmooth.runs.strobe_times import strobes
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, SweepStarts, Times
+from nonsmooth.runs.whole_turns import cuts_of, folded, periods_of_states, whole_turns
 from nonsmooth.system.model.value_checks import rests_alike, sure_values
 from nonsmooth.system.system import System
 
@@ -201,6 +202,7 @@ class Group:
         self.windows = runner.windows
         self.periods = [None if each is None else each.length for each in sets]
         self.drifting = np.array([name in self.system.drift_states for name in self.system.states])
+        self.angle_periods = periods_of_states(self.system)  # (n,): zero of what is no angle
         self.starts: list[Start | None] = [None] * self.count
         for i in np.flatnonzero(self.usable).tolist():
             each = sets[i]
@@ -268,7 +270,9 @@ class Group:
             return self._left
         if self.motions.statuses[-1] != Status.COMPLETED:
             return None
-        return End(self.motions.end_states[-1].copy(), int(self.motions.places["mode"][-1]))
+        state = self.motions.end_states[-1]
+        state = state - whole_turns(state, self.angle_periods)  # it would grow from link to link
+        return End(state, int(self.motions.places["mode"][-1]))
 
     def leave(self, end: End | None) -> None:
         """Say where the last motion is left, if that is not where it has come to."""
@@ -306,8 +310,23 @@ class Group:
         log: bool = True,
     ) -> Recorded:  # fmt: skip
         """Run motions on through some times, those that are chosen."""
-        return self.runner.run(
+        found = self.runner.run(
             self.motions, times, chosen=chosen, ends=ends, log=log, stop=self.stop
+        )
+        return self.fold(found)
+
+    def fold(self, found: Recorded) -> Recorded:
+        """What motions left behind, with angles within one turn.
+
+        So points that are whole turns apart are one point to whoever compares them.
+        """
+        if not np.any(self.angle_periods):
+            return found
+        cuts = cuts_of(found.states, self.angle_periods)
+        at_events = np.repeat(cuts, np.diff(found.logs), axis=0)[:, None]
+        return found._replace(
+            states=folded(found.states, cuts[:, None], self.angle_periods),
+            event_states=folded(found.event_states, at_events, self.angle_periods),
         )
 
     def _begins(self) -> tuple[Integers, Floats]:
@@ -368,7 +387,7 @@ def settle(
             stop=stop,
         )
         try:
-            found += reduce(group, recorded)
+            found += reduce(group, group.fold(recorded))
         except Stopped as stopped:
             raise Stopped(([*found, *(stopped.done or ())], None)) from None
         end = group.left

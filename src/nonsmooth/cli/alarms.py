@@ -114,12 +114,12 @@ def _add_watched(report: Report, found: xr.Dataset, files: list[str]) -> None:
     first = int(found["first_alarm"])
     text = "none"
     if first >= 0:
-        text = f"window {first} of {above.size}, in {files[records[first]]}"
+        text = f"window {first + 1} of {above.size}, in {files[records[first]]}"
         text += f" at t = {times[first]:.6g}" if np.isfinite(times[first]) else ""
         text += f", {found['leading'].values[first]} leads"
     report.add("first alarm", text, first_alarm=None if first < 0 else first)
     columns: list[Any] = [
-        ("window", "window", str),
+        ("window", "window", lambda k: str(k + 1)),  # people count from 1, programs from 0
         ("file", "file", str),
         ("time", "time", lambda t: "" if np.isnan(t) else f"{t:.6g}"),
         ("score", "score", "{:.4g}".format),

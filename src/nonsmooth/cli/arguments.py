@@ -37,6 +37,7 @@ __all__ = [
     "time_range",
     "value_limits",
     "value_range",
+    "whole",
     "whole_names",
     "widths",
 ]
@@ -219,6 +220,17 @@ def number(text: str, option: str) -> float:
         return float(text)
     except ValueError:
         return _constant(text, option)
+
+
+def whole(text: str, option: str) -> int:
+    """A whole number, such as ``100``, ``1e6`` or ``2**10``; ValueError for any other text."""
+    try:
+        return int(text)
+    except ValueError:
+        value = number(text, option)
+    if value != int(value):
+        raise ValueError(text)
+    return int(value)
 
 
 def initial_state(text: str, option: str) -> dict[str, float]:

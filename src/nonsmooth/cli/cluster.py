@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.cli.arguments import names
+from nonsmooth.cli.arguments import names, whole
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.console import ENDED_EARLY
 from nonsmooth.cli.regimes import need_strobes, two_parameters
 from nonsmooth.cli.report import Report
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import NonsmoothError, OptionError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,8 +72,8 @@ def _tiles(task: Task) -> list[int] | None:
         raise OptionError("--part: --tiles is given too; give one of them")
     if listed is not None:
         try:
-            return [int(each) for each in names(listed)]
-        except ValueError:
+            return [whole(each, "--tiles") for each in names(listed)]
+        except (ValueError, OverflowError, NonsmoothError):
             raise OptionError(
                 f"--tiles: {listed!r} is no list of whole numbers, such as 0,5"
             ) from None

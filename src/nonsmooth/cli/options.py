@@ -23,6 +23,7 @@ from nonsmooth.cli.arguments import (
     number_or_limits,
     numbers_by_column,
     time_range,
+    whole,
     widths,
 )
 from nonsmooth.cli.signatures import Parameter
@@ -78,8 +79,8 @@ def _column(text: str, _: str) -> str | int:
 
 def _labels(text: str, option: str) -> tuple[int, int]:
     try:
-        first, second = (int(part) for part in names(text))
-    except ValueError:
+        first, second = (whole(part, option) for part in names(text))
+    except (ValueError, OverflowError, NonsmoothError):
         raise OptionError(f"{option}: {text!r} is not two labels, such as 1,2") from None
     return first, second
 
@@ -267,8 +268,8 @@ class Kind(click.ParamType):
             return found
         if self.name == "N":
             try:
-                return int(value)
-            except ValueError:
+                return whole(value, option)
+            except (ValueError, OverflowError, NonsmoothError):
                 self.fail(f"{value!r} is not a whole number, such as 100")
         if self.name == "NUMBER":
             try:

@@ -89,9 +89,10 @@ def run_calls(
     Notes
     -----
     Calls are made one after the other in each process. Either the function uses all processors, or
-    you start one process for each of them and give ``threads=1``, where the function has it. Two processes that make one call, as a network file
-    system may let them, write the same result. Arguments are compared as numbers and texts,
-    systems as the text of `System.to_toml`, all else by a checksum.
+    you start one process for each of them and give ``threads=1``, where the function has it. Two
+    processes that make one call, as a network file system may let them, write the same result.
+    Arguments are compared as numbers and texts, systems as the text of `System.to_toml`, all else
+    by a checksum.
 
     Examples
     --------

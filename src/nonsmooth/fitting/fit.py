@@ -23,6 +23,7 @@ from nonsmooth.fitting.channels import (
     read_shift,
 )
 from nonsmooth.fitting.cuts import Cut, GivenRecord, cut_for, equations_of
+from nonsmooth.fitting.gain_trial import explaining_gains, said_of_gains
 from nonsmooth.fitting.report import NOT_CONVERGED, Search, fit_dataset
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import LOSSES, Fitted, height, solve_from
@@ -284,7 +285,8 @@ def fit(
     cuts = [cut_for(each, bounds, form, cycle, segments, share) for each in records]
     own = _private(private, records)
     make = partial(_shooting, records, bounds, moved, cuts, own, tolerance)
-    found = _search(make, _rest(system, initial), loss, count, chosen)
+    rest = _rest(system, initial)
+    found = _search(make, rest, loss, count, chosen)
     told = options.recorded | {
         "free": str({name: (each.low, each.high) for name, each in bounds.items()}),
         "observe": str({c.name: c.text for each in records for c in each.channels}),
@@ -296,10 +298,17 @@ def fit(
     whole = [channel for each in records for channel in each.channels]
     result = fit_dataset(whole, found, told, loss, drawn, chosen, _marks(record))
     result = with_units(result, records, datasets)
+
+    def again(others: Sequence[GivenRecord]) -> Search:
+        shooting = partial(_shooting, others, bounds, moved, cuts, own, tolerance)
+        return _search(shooting, rest, loss, 1, chosen)
+
+    gains = said_of_gains(explaining_gains(records, found, rest, again))
+    more = f"; {gains}" if gains else ""
     if result.attrs["status"] != "completed":
-        said = f"{system.name}: the fit has not converged: {NOT_CONVERGED}"
+        said = f"{system.name}: the fit has not converged: {NOT_CONVERGED}{more}"
         warnings.warn(said, ResultWarning, stacklevel=2)
-    return result
+    return result.assign_attrs(message=f"{result.attrs['message']}{more}")
 
 
 def _marks(record: Any) -> Floats | None:

@@ -24,7 +24,7 @@ from nonsmooth.periodic_orbits.branch_part import (
 )
 from nonsmooth.periodic_orbits.branch_start import tangent_at
 from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word, what_of
-from nonsmooth.periodic_orbits.cycle_end import end_of_cycles, is_nothing
+from nonsmooth.periodic_orbits.cycle_end import boundary_of_cycles, end_of_cycles, is_nothing
 from nonsmooth.periodic_orbits.cycle_plane import direction_on, is_flat, on_new_plane
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.in_words import in_words
@@ -273,9 +273,14 @@ class _StretchWalk:
             self.following = self._with_other_rebounds(looked.other, point)
         elif not point.special and point.arclength > 0.0 and self._needs_new_measures(point):
             if self._is_nothing(point):
-                self.ended = end_at("shrink", looked, self.stretch)
-                yield self._shrunk(point, looked)
-                return
+                if self.stretch.equations.is_smooth_cycle:
+                    self.ended = end_at("shrink", looked, self.stretch)
+                    yield self._shrunk(point, looked)
+                    return
+                end = self._onto_boundary(point, looked)
+                if end is not None:
+                    yield end
+                    return
             self.following = self._goes_on_at(point, (point.tangent_u, point.tangent_p))
 
     def _needs_new_measures(self, point: Point) -> bool:
@@ -287,7 +292,7 @@ class _StretchWalk:
         return equations.is_smooth_cycle and is_flat(equations, point.u)
 
     def _is_nothing(self, point: Point) -> bool:
-        """Whether a cycle without events has shrunk to a point."""
+        """Whether a cycle has shrunk to a point."""
         self.stretch.set_parameter(point.p)
         return is_nothing(self.stretch.equations, point.u, self.first)
 
@@ -299,6 +304,28 @@ class _StretchWalk:
         if end is not None:
             point, looked = end, self.stretch.look(end)
         return self._part(looked, replace(point, special="shrink"), "hopf", SHRINKS)
+
+    def _onto_boundary(self, point: Point, looked: Looked) -> BranchPart | None:
+        """The boundary equilibrium to which cycles with events shrink; None if there is none.
+
+        Multipliers and durations are those of the last cycle, and hardly change from there on.
+        """
+        equations, options = self.stretch.equations, self.stretch.options
+        found = boundary_of_cycles(equations, point, self.stretch.set_parameter, options.bounds)
+        self.stretch.set_parameter(point.p)
+        if found is None:
+            return None
+        p, rest, leg = found
+        name = equations.word.exit_text(options.system, leg)
+        detail = f"{SHRINKS}, the rest of a mode on the surface of {name!r}"
+        message = f"the branch ends at {options.parameter} = {p:.10g}: {detail}"
+        self.ended = Followed("boundary_equilibrium", message)
+        values = looked.values.copy()
+        values[self.stretch.place] = p
+        turn = replace(looked.turn, states=np.tile(rest, (len(equations.word), 1)))
+        looked = replace(looked, turn=turn, values=values)
+        there = replace(point, p=p, special="shrink")
+        return self._part(looked, there, "boundary_equilibrium", detail)
 
     def _goes_on_at(self, point: Point, direction: tuple[Floats, float]) -> BranchStart:
         """The branch goes on at the same orbit with new measures."""

@@ -19,6 +19,7 @@ from nonsmooth.periodic_orbits.newton import null_vector, scale_of, solve_orbit
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch, scale_along
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.periodic_orbits.word_change import Change
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 
 __all__ = [
     "REGULAR",
@@ -287,8 +288,9 @@ def doubled_start(options: BranchOptions, legs: Legs, guess: Guess, value: float
     word, turn = guess
     length = float(turn.instants[-1] - turn.instants[0])
     ends = legs.follow(word, turn.states, turn.instants).nexts[-1]
+    change = ends - turn.states[0]
     drifting = np.array([name in options.system.drift_states for name in options.system.states])
-    shift = np.where(drifting, ends - turn.states[0], 0.0)
+    shift = np.where(drifting, change, whole_turns(change, periods_of_states(options.system)))
     if word.closes_at_event:
         twice = Word(word.modes * 2, word.paths * 2)
         states = np.vstack([turn.states, turn.states + shift])

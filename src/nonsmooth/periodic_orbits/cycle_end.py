@@ -1,9 +1,14 @@
-"""Where a cycle without events shrinks to a point: when it is next to nothing, and the point.
+"""Where a cycle shrinks to a point: when it is next to nothing, and the point.
 
 A cycle of spread a around a state c is known to rounding of c, which is eps c/a of it, while the
 parameter is a**2 away from its end: so where a**3 comes down to rounding of c, the parameter of a
 cycle is noise. The branch leaves its cycles before that. The end itself is found from the rest in
 the middle of them, as the parameter at which perturbations of the rest neither grow nor decay.
+
+A cycle with events shrinks in proportion to the distance from its end, where a rest of one of its
+modes meets the surface at which that mode ends: a boundary equilibrium (M. di Bernardo et al.,
+Piecewise-smooth Dynamical Systems, 2008, section 5.1). The parameter there makes the guard of the
+rest zero.
 """
 
 from __future__ import annotations
@@ -20,12 +25,13 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["end_of_cycles", "is_nothing"]
+__all__ = ["boundary_of_cycles", "end_of_cycles", "is_nothing"]
 
 Floats = npt.NDArray[np.float64]
 
 _NOTHING = 1e-5  # of the spread of the first orbit
 _ROUNDINGS = 1e3 * float(np.finfo(float).eps)  # of a cycle, beside the states along it
+_PLACES = 32  # along a cycle with events, at which it is looked at
 _PART = 0.25  # of a turn, over which perturbations of the rest are followed
 _NEWTON = 20
 _SETTLED = 1e-14  # step beside the rest, or the range of the parameter: no further ones
@@ -34,12 +40,15 @@ _FAR = 1e-3  # of the range of the parameter: farther away it is not the end of 
 
 
 def is_nothing(equations: OrbitEquations, unknowns: Floats, first: Floats) -> bool:
-    """Whether a cycle without events has shrunk to next to nothing beside the first orbit.
+    """Whether a cycle has shrunk to next to nothing beside the first orbit.
 
     ``first`` is the spread of each state of that, (n,).
     """
-    if not equations.is_smooth_cycle:
+    if not equations.autonomous:
         return False
+    if not equations.is_smooth_cycle:
+        states = _states_with_events(equations, unknowns)
+        return float((np.ptp(states, axis=0) / first).max()) <= _NOTHING
     states = states_of_cycle(equations, unknowns)
     share = float((spread_of_cycle(equations, unknowns) / first).max())
     rounding = _ROUNDINGS * float((np.abs(states).max(axis=0) / first).max())
@@ -96,10 +105,75 @@ def end_of_cycles(
     return replace(last, u=np.append(rest, length), p=p)
 
 
-def _rest(equations: OrbitEquations, state: Floats, span: float) -> tuple[Floats, Floats]:
-    """The state that rests, and derivatives of the state a span later by it, (n, n)."""
+def _states_with_events(equations: OrbitEquations, unknowns: Floats) -> Floats:
+    """States along a cycle with events, drifts left out."""
+    turn = equations.unpack(unknowns)
+    times = turn.instants[0] + np.arange(_PLACES) / _PLACES * (turn.instants[-1] - turn.instants[0])
+    return np.where(equations.drifting, 0.0, equations.states_along(turn, times))
+
+
+def boundary_of_cycles(
+    equations: OrbitEquations, last: Point, set_parameter: Callable[[float], None],
+    bounds: tuple[float, float],
+) -> tuple[float, Floats, int] | None:  # fmt: skip
+    """Parameter and state of the boundary equilibrium to which cycles with events shrink.
+
+    With the number of the leg in whose mode it rests, on the guard of the exit at the end of that.
+    Newton's method gives the rest for each parameter, and the secant method the parameter; None
+    where no mode of the cycle has one nearby.
+    """
+    width, turn = bounds[1] - bounds[0], equations.unpack(last.u)
+    middle = _states_with_events(equations, last.u).mean(axis=0)
+    middle[equations.drifting] = turn.states[0][equations.drifting]
+    span = _PART * float(turn.instants[-1] - turn.instants[0])
+    for leg, path in enumerate(equations.word.paths):
+        mode = equations.word.modes[leg]
+
+        def guard(p: float, mode: int = mode, path: tuple[int, ...] = path) -> tuple[float, Floats]:
+            set_parameter(p)
+            rest, _ = _rest(equations, middle, span, mode)
+            return _guard_of(equations, rest, mode, path[0]), rest
+
+        try:
+            p, rest = _root(guard, last.p, _ASIDE * width, _SETTLED * width)
+        except (LegError, np.linalg.LinAlgError, ZeroDivisionError):
+            continue
+        if abs(p - last.p) <= _FAR * width:
+            return p, rest, leg
+    return None
+
+
+def _guard_of(equations: OrbitEquations, state: Floats, mode: int, exit_number: int) -> float:
+    """Guard of an exit of a mode at a state."""
+    at = np.zeros(1)
+    found = equations.legs.follow_each(Word((mode,), ((),)), state[None], at, at)
+    return float(found.others[0, exit_number])
+
+
+def _root(
+    function: Callable[[float], tuple[float, Floats]], p: float, aside: float, settled: float
+) -> tuple[float, Floats]:
+    """Where a function is zero, by the secant method, and what it gives there beside its value."""
+    before, (old, _) = p, function(p)
+    p += aside
+    for _ in range(_NEWTON):
+        new, _ = function(p)
+        step = -new * (p - before) / (new - old) if new != 0.0 else 0.0
+        before, old, p = p, new, p + step
+        if abs(step) <= settled:
+            return p, function(p)[1]
+    raise LegError("no rest lies on the surface")
+
+
+def _rest(
+    equations: OrbitEquations, state: Floats, span: float, mode: int | None = None
+) -> tuple[Floats, Floats]:
+    """The state that rests in a mode, and derivatives of the state a span later by it, (n, n).
+
+    Without a mode in that of the first leg.
+    """
     legs, n, stays = equations.legs, equations.legs.n, ~equations.drifting
-    word = Word(equations.word.modes[:1], ((),))
+    word = Word(equations.word.modes[:1] if mode is None else (mode,), ((),))
     size = float(np.abs(state[stays]).max(initial=0.0))
     for _ in range(_NEWTON):
         found = legs.follow_each(word, state[None], np.zeros(1), np.array([span]))

@@ -2,9 +2,9 @@
 
 Unknowns are the states at the start of every leg and the instants of the events between them; the
 equations, that each leg leads to the start of the next one, that its guard vanishes at its end,
-and that the last leg closes the orbit, but for drifts. States at every leg as unknowns keep an
-orbit of a hundred legs, or one that is very unstable, within rounding (multiple shooting); instants
-as unknowns keep the equations smooth where an orbit grazes.
+and that the last leg closes the orbit, but for drifts and whole turns of angles. States at every
+leg as unknowns keep an orbit of a hundred legs, or one that is very unstable, within rounding
+(multiple shooting); instants as unknowns keep the equations smooth where an orbit grazes.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy.typing as npt
 from nonsmooth.engine.orbits import Closing, LegResults, close_legs
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.word import Word
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 
 __all__ = ["OrbitEquations", "Turn"]
 
@@ -65,6 +66,7 @@ class OrbitEquations:
         n = legs.n
         names = legs.system.states
         self.drifting = np.array([name in legs.system.drift_states for name in names])
+        self.angle_periods = periods_of_states(legs.system)  # (n,): zero of what is no angle
         self.origin = np.zeros(n) if origin is None else np.asarray(origin, float)
         self.reference = reference
         self._count = len(word)
@@ -155,6 +157,8 @@ class OrbitEquations:
             residual, jacobian, moved,
         )  # fmt: skip
         close_legs(found, closing)
+        last = residual[(self._count - 1) * self.legs.n : self._count * self.legs.n]
+        last -= whole_turns(last, self.angle_periods)
         if not self.autonomous and self.word.n_events == 0:
             self._keep_at_rest(turn, residual, jacobian, moved)
         if self.is_smooth_cycle:
@@ -181,11 +185,16 @@ class OrbitEquations:
         speed = float(self._across @ found.start_rates[0])
         return speed / self._speed if self._speed > 0.0 else 1.0
 
+    def carried(self, change: Floats) -> Floats:
+        """What a change over a turn leaves open: all of a drift, whole turns of an angle, (n,)."""
+        return np.where(self.drifting, change, whole_turns(change, self.angle_periods))
+
     def gap(self, turn: Turn, found: LegResults) -> float:
         """Largest gap between the end of a leg and the start of the next, beside the states."""
         following = np.roll(turn.states, -1, axis=0)
-        gaps = np.abs(found.nexts - following)
-        gaps[-1, self.drifting] = 0.0
+        gaps = found.nexts - following
+        gaps[-1] -= self.carried(gaps[-1])
+        gaps = np.abs(gaps)
         moving = np.where(self.drifting, turn.states - turn.states[0], turn.states)
         size = np.abs(moving).max(axis=0)
         size = np.where(size > 1e-6 * size.max(), size, max(float(size.max()), 1e-12))

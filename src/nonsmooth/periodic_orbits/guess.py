@@ -20,6 +20,7 @@ from nonsmooth.runs.clock import Instant, Plan, since_strobe
 from nonsmooth.runs.first_mode import in_first_mode
 from nonsmooth.runs.runner import NoMode, Outcome, build_tables, run_plan
 from nonsmooth.runs.start import Start, resolve_start, start_at_end
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
 
 __all__ = [
@@ -198,13 +199,13 @@ def cycle_guesses(
     start = resolve_start(system, tables, initial, mode=mode)
     start = start_at_end(start)
     begin = start.instant.number + transient
-    drifting = np.array([name in system.drift_states for name in system.states])
+    open_states = _OpenStates.of(system)
     for finer in _FINER:
         samples, final = _SAMPLES * finer, finer == _FINER[-1]
         plan, step = _plan(tables.window, samples, period, begin, start, transient)
         outcome = _run_for_guess(system, tables, start, plan, tolerance)
-        found = _between_events(system, outcome, begin, drifting, period, final)
-        found = found or _around(outcome, drifting, period, step, final)
+        found = _between_events(system, outcome, begin, open_states, period, final)
+        found = found or _around(outcome, open_states, period, step, final)
         if found is not None:
             yield found
 
@@ -222,10 +223,36 @@ def _plan(
     return Plan(Instant(int(number[-1]), float(phase[-1])), number, phase), step
 
 
-def _is_resolved(outcome: Outcome, drifting: npt.NDArray[np.bool_]) -> bool:
+class _OpenStates(NamedTuple):
+    """The states in which a motion may come back elsewhere: drifts, and angles by whole turns."""
+
+    drifting: npt.NDArray[np.bool_]  # (n,)
+    periods: Floats  # (n,): of angles, zero of other states
+
+    @classmethod
+    def of(cls, system: System) -> _OpenStates:
+        drifting = np.array([name in system.drift_states for name in system.states])
+        return cls(drifting, periods_of_states(system))
+
+    def without_drifts(self, states: Floats) -> Floats:
+        """States, those that drift being zero."""
+        return np.where(self.drifting, 0.0, states)
+
+    def spread(self, states: Floats) -> Floats:
+        """Range of each state, of an angle one turn at most, (n,)."""
+        found = np.ptp(self.without_drifts(states), axis=0)
+        return np.where(self.periods > 0.0, np.minimum(found, self.periods), found)
+
+    def apart(self, states: Floats, first: Floats) -> Floats:
+        """How far states are from the first one, drifts and whole turns left out."""
+        change = self.without_drifts(states - first)
+        return np.asarray(change - whole_turns(change, self.periods))
+
+
+def _is_resolved(outcome: Outcome, open_states: _OpenStates) -> bool:
     """Whether samples follow the motion, rather than being anywhere on it."""
-    states = np.where(drifting, 0.0, outcome.records.sample_state)
-    spread = np.ptp(states, axis=0)
+    states = open_states.without_drifts(outcome.records.sample_state)
+    spread = open_states.spread(states)
     if not np.any(spread > 0.0):
         return True
     ways = np.abs(np.diff(states, axis=0)) / np.where(spread > 0.0, spread, 1.0)
@@ -233,7 +260,7 @@ def _is_resolved(outcome: Outcome, drifting: npt.NDArray[np.bool_]) -> bool:
 
 
 def _between_events(
-    system: System, outcome: Outcome, begin: int, drifting: npt.NDArray[np.bool_], period: int,
+    system: System, outcome: Outcome, begin: int, open_states: _OpenStates, period: int,
     final: bool,
 ) -> Guess | None:  # fmt: skip
     """From an event to a return of the same kind, the first that is near; at last the nearest."""
@@ -245,9 +272,8 @@ def _between_events(
     times = (rows["number"] - begin) * window + rows["phase"]
     kinds = columns(rows, "from_mode", "path", "to_mode")
     same = np.all(kinds == kinds[0], axis=1)
-    samples = np.where(drifting, 0.0, outcome.records.sample_state)
-    spread = np.maximum(np.ptp(samples, axis=0), 1e-12)
-    apart = np.where(drifting, 0.0, np.abs(states - states[0]) / spread).max(axis=1)
+    spread = np.maximum(open_states.spread(outcome.records.sample_state), 1e-12)
+    apart = (np.abs(open_states.apart(states, states[0])) / spread).max(axis=1)
     returns = np.flatnonzero(same)[1:]
     for near in _NEAR:
         if np.any(apart[returns] <= near):
@@ -267,15 +293,15 @@ def _between_events(
 
 
 def _around(
-    outcome: Outcome, drifting: npt.NDArray[np.bool_], period: int, step: float, final: bool
+    outcome: Outcome, open_states: _OpenStates, period: int, step: float, final: bool
 ) -> Guess | None:
     """Once around a cycle without events, from its first sample."""
-    states = np.where(drifting, 0.0, outcome.records.sample_state)
-    spread = np.ptp(states, axis=0)
+    states = open_states.without_drifts(outcome.records.sample_state)
+    spread = open_states.spread(states)
     at_rest = not np.any(spread > 1e-9 * (np.abs(states).max(axis=0) + 1e-12))
-    if at_rest or not _is_resolved(outcome, drifting):
+    if at_rest or not _is_resolved(outcome, open_states):
         return None
-    scaled = (states - states[0]) / np.where(spread > 0.0, spread, 1.0)
+    scaled = open_states.apart(states, states[0]) / np.where(spread > 0.0, spread, 1.0)
     forward = scaled @ (scaled[1] - scaled[0])
     crossings = np.flatnonzero((forward[1:-1] < 0.0) & (forward[2:] >= 0.0)) + 2
     if crossings.size == 0:
@@ -323,8 +349,7 @@ def guesses_in_motion(
     rows, after = rows[lasting], after[lasting]
     times = since_strobe(rows["number"], rows["phase"], Instant(first, phase * window), window)
     states, modes = outcome.records.sample_state, outcome.records.sample_mode
-    drifting = np.array([name in system.drift_states for name in system.states])
-    sample = np.where(drifting, 0.0, states)
+    open_states = _OpenStates.of(system)
     reached = outcome.n_samples
     wiring = system.compiled.program.wiring
     wanted = {(word.modes, word.paths) for word in (each.collapsed(wiring) for each in words)}
@@ -339,7 +364,7 @@ def guesses_in_motion(
         word = Word(visited, (*[path for path in paths if path is not None], ()))
         seen = word.collapsed(wiring)
         if (seen.modes, seen.paths) in wanted:
-            gap = float(np.abs(sample[k + period] - sample[k]).max())
+            gap = float(np.abs(open_states.apart(states[k + period], states[k])).max())
             inner = times[part] - k * window
             instants = np.concatenate([[0.0], inner, [period * window]]) + phase * window
             legs = np.vstack([states[k][None], after[part]])
@@ -407,8 +432,8 @@ def _turned(equations: OrbitEquations, turn: Turn, later: int, strobe: Floats) -
     modes = word.modes[first] + word.modes[last]
     paths = (*word.paths[k:-1], *word.paths[:k], ())
     closed = equations.legs.follow(word, turn.states, turn.instants).nexts[-1]
-    drift = np.where(equations.drifting, closed - turn.states[0], 0.0)
-    states = np.vstack([strobe, turn.states[k + 1 :], turn.states[last] + drift])
+    over = equations.carried(closed - turn.states[0])
+    states = np.vstack([strobe, turn.states[k + 1 :], turn.states[last] + over])
     length = equations.period * window
     inner = np.concatenate([turn.instants[k + 1 : -1], turn.instants[1 : k + 1] + length])
     begin, end = turn.instants[0], turn.instants[-1]

@@ -14,6 +14,7 @@ from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
 from nonsmooth.periodic_orbits.newton import AT_ZERO, Solution
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
+from nonsmooth.runs.whole_turns import whole_turns
 from nonsmooth.system.system import System
 
 __all__ = ["Orbit", "OrbitRequest", "OrbitResult", "make_orbit", "primitive_parts"]
@@ -53,7 +54,7 @@ class Orbit:
 
     @property
     def drift(self) -> Floats:
-        """Change of each state over the turn, zero but for drifts and rounding."""
+        """Change of each state over the turn, zero but for drifts, angles and rounding."""
         return np.asarray(self.end - self.turn.states[0])
 
     @property
@@ -140,7 +141,8 @@ def primitive_parts(equations: OrbitEquations, turn: Turn, within: float = _SAME
         times = turn.instants[starts]
         gaps = (turn.instants[later] - times) % length
         near_time = np.abs(gaps - length / part) <= within * length
-        near = np.abs(states[later] - states[starts]) <= within * size
+        apart = states[later] - states[starts]
+        near = np.abs(apart - whole_turns(apart, equations.angle_periods)) <= within * size
         if np.all(near) and np.all(near_time):
             return part
     return 1
@@ -151,5 +153,5 @@ def _repeats_smoothly(equations: OrbitEquations, turn: Turn, part: int, off: Flo
     begin = turn.instants[:1]
     end = begin + (turn.instants[-1:] - begin) / part
     found = equations.legs.follow_each(equations.word, turn.states, begin, end)
-    gap = np.where(equations.drifting, 0.0, found.ends[0] - turn.states[0])
-    return bool(np.all(np.abs(gap) <= off))
+    gap = found.ends[0] - turn.states[0]
+    return bool(np.all(np.abs(gap - equations.carried(gap)) <= off))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.periodic_orbits.orbit import Orbit
 from nonsmooth.runs.labels import Columns, assemble, labels_of
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
 
@@ -38,8 +39,8 @@ def _dataset(
         "time": ((), np.asarray(time), labels.attributes("time")),
         "state": (("state",), labels.states, {}),
     }
-    if system.drift_states:
-        coords["drift_state"] = (("drift_state",), np.array(system.drift_states), {})
+    if system.drift:
+        coords["drift_state"] = (("drift_state",), np.array(tuple(system.drift)), {})
     return assemble(variables, coords, {"state": labels.state_index}, common(system) | attrs)
 
 
@@ -151,20 +152,22 @@ def _filled(
 def _drifts(
     system: System, orbits: Sequence[Orbit | None], dims: tuple[str, ...], shape: tuple[int, ...]
 ) -> Columns:
-    if not system.drift_states:
+    if not system.drift:
         return {}
     labels = labels_of(system)
     variables: Columns = {}
-    places = [system.states.index(name) for name in system.drift_states]
+    places = [system.states.index(name) for name in system.drift]
+    periods_of_angles = periods_of_states(system)
     whole = np.full((len(orbits), len(places)), np.nan)
     periods, lengths = np.full(len(orbits), np.nan), np.full(len(orbits), np.nan)
     for k, orbit in enumerate(orbits):
         if orbit is not None:
-            whole[k] = orbit.drift[places]
+            turned = whole_turns(orbit.drift, periods_of_angles)
+            whole[k] = np.where(periods_of_angles > 0.0, turned, orbit.drift)[places]
             periods[k], lengths[k] = orbit.period, orbit.length
-    words = {"long_name": "change of the drifts over one turn"}
+    words = {"long_name": "change of drifts and angles over one turn"}
     variables["drift"] = ((*dims, "drift_state"), whole.reshape(*shape, len(places)), words)
-    for i, name in enumerate(system.drift_states):
+    for i, name in enumerate(system.drift):
         text = labels.attributes(name)["long_name"]
         for what, over in (("period", periods), ("time", lengths)):
             label = "per period" if what == "period" else "per unit time"

@@ -29,6 +29,7 @@ from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit, values_of_orbit, walk_to
 from nonsmooth.periodic_orbits.word_change import changes_of_word
 from nonsmooth.runs.strobe_times import is_driven
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 
 __all__ = [
     "equations_for",
@@ -140,9 +141,11 @@ def equations_for(wanted: OrbitRequest, legs: Legs, guess: Guess) -> OrbitEquati
 
 
 def solve_guess(wanted: OrbitRequest, legs: Legs, guess: Guess) -> OrbitResult:
-    """Newton's method from a guess; drifts begin at zero."""
+    """Newton's method from a guess; drifts begin at zero, angles within half a turn of it."""
     drifting = np.array([name in wanted.system.drift_states for name in wanted.system.states])
-    states = guess.turn.states - np.where(drifting, guess.turn.states[0], 0.0)
+    begin = guess.turn.states[0]
+    over = whole_turns(begin, periods_of_states(wanted.system))
+    states = guess.turn.states - np.where(drifting, begin, over)
     guess = Guess(guess.word, Turn(states, guess.turn.instants))
     equations = equations_for(wanted, legs, guess)
     unknowns = equations.pack(guess.turn)

@@ -84,7 +84,7 @@ def _begun_earlier(equations: OrbitEquations, turn: Turn) -> tuple[Turn, Word]:
     k = int(np.searchsorted(turn.instants[1:-1], cut, side="right"))
     between = equations.states_along(turn, np.array([cut]))
     # what drifts has gone on by one turn where the legs before the cut come behind the others
-    over = np.where(equations.drifting, _end(equations, turn) - turn.states[0], 0.0)
+    over = equations.carried(_end(equations, turn) - turn.states[0])
     if len(word) == 1:
         return Turn(between, turn.instants), word
     # the last leg goes on as the first one: the section between them is no event of the image

@@ -193,7 +193,7 @@ def _section_behind_first(equations: OrbitEquations, turn: Turn) -> Change:
     modes = (*word.modes[1:], word.modes[1])
     paths = (*word.paths[1:-1], word.paths[0], ())
     ends = equations.legs.follow(word, turn.states, turn.instants).nexts[-1]
-    last = turn.states[1] + np.where(equations.drifting, ends - turn.states[0], 0.0)
+    last = turn.states[1] + equations.carried(ends - turn.states[0])
     states = np.vstack([turn.states[1:], last])
     instants = np.concatenate([turn.instants[:1], turn.instants[2:], turn.instants[-1:]])
     return Change("section", Guess(Word(modes, paths), Turn(states, instants)), "leg:last")
@@ -205,7 +205,7 @@ def _section_before_last(equations: OrbitEquations, turn: Turn) -> Change:
     modes = (word.modes[-2], *word.modes[:-1])
     paths = (word.paths[-2], *word.paths[:-2], ())
     found = equations.legs.follow(word, turn.states, turn.instants)
-    first = found.ends[-2] - np.where(equations.drifting, found.ends[-2] - turn.states[0], 0.0)
+    first = found.ends[-2] - equations.carried(found.ends[-2] - turn.states[0])
     states = np.vstack([first, turn.states[:-1]])
     instants = np.concatenate([turn.instants[:1], turn.instants[:-2], turn.instants[-1:]])
     return Change("section", Guess(Word(modes, paths), Turn(states, instants)), "leg:0")

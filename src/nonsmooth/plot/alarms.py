@@ -76,7 +76,7 @@ def alarm(found: xr.Dataset, *, ax: Axes | None = None, legend: bool = True) -> 
         raise OptionError("found: give a result of measured.alarm with watched= windows")
     ax = new_axes() if ax is None else ax
     scores, above = found["score"].values, found["exceeded"].values
-    over, label = np.arange(scores.size, dtype=float), "window"
+    over, label = np.arange(1.0, scores.size + 1.0), "window"
     if "time" in found.coords and np.all(np.diff(found["time"].values) > 0.0):
         over, label = found["time"].values, axis_label(found["time"])
     ax.set_yscale("log")

@@ -47,6 +47,9 @@ _COLOURS = ("attractor", "period")
 _EVEN = 1e-6  # of a step, between cells that count as equally wide
 
 
+_MOST_BORDERS = 0.5  # lines beside cells, up to which they are drawn within a colour
+
+
 @checked
 def basins(
     data: xr.Dataset,
@@ -183,9 +186,39 @@ def _draw_cells(
         )
     else:
         ax.pcolormesh(across, up, places, **kinds)
+    _draw_hidden_borders(ax, labels, [colours.get(k, UNSETTLED) for k in order], places, across, up)
     ax.set_xlim(across[0], across[-1])
     ax.set_ylim(up[0], up[-1])
     ax.autoscale(False)  # attractors outside the region stay outside the picture
+
+
+def _draw_hidden_borders(
+    ax: Axes,
+    labels: npt.NDArray[np.int_],
+    colour_of: list[str],
+    places: npt.NDArray[np.int_],
+    across: npt.NDArray[np.float64],
+    up: npt.NDArray[np.float64],
+) -> None:
+    """Lines where two basins of one colour meet, which would look like one basin.
+
+    Not where borders are nearly everywhere, as those of fractal basins: lines would hide the cells.
+    """
+    from matplotlib.collections import LineCollection
+
+    same = np.unique(colour_of, return_inverse=True)[1][places]
+    right = np.argwhere((labels[:, 1:] != labels[:, :-1]) & (same[:, 1:] == same[:, :-1]))
+    above = np.argwhere((labels[1:] != labels[:-1]) & (same[1:] == same[:-1]))
+    i, j = right.T
+    upright = np.stack([across[j + 1], up[i], across[j + 1], up[i + 1]], axis=1)
+    i, j = above.T
+    level = np.stack([across[j], up[i + 1], across[j + 1], up[i + 1]], axis=1)
+    pieces = np.concatenate([upright, level]).reshape(-1, 2, 2)
+    if 0 < len(pieces) <= _MOST_BORDERS * labels.size:
+        lines = LineCollection(list(pieces), colors="black", linewidths=0.5, capstyle="round")
+        lines.set_rasterized(True)
+        lines.set_gid("borders within a colour")
+        ax.add_collection(lines, autolim=False)
 
 
 def _edges(data: xr.Dataset, name: str) -> npt.NDArray[np.float64]:

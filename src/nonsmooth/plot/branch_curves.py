@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.crowding import depths, uncrowded
+from nonsmooth.plot.rounded_curves import rounded
 from nonsmooth.plot.style import PALETTE, axis_label, mode_numbers
 from nonsmooth.system.text.evaluate import evaluate
 from nonsmooth.system.text.expressions import Expression, name_set
@@ -52,6 +53,7 @@ _MARKS: dict[str, tuple[str, str]] = {
     "adding_sliding": ("4", PALETTE["purple"]),
     "sliding": ("<", PALETTE["green"]),
     "hopf": (">", PALETTE["blue"]),
+    "boundary_equilibrium": (">", PALETTE["orange"]),
     "word_change": ("h", "white"),
     "cusp": ("*", PALETTE["vermilion"]),
     "fold_flip": ("h", PALETTE["sky"]),
@@ -73,6 +75,11 @@ _MARKS: dict[str, tuple[str, str]] = {
     "end": ("x", "black"),
 }
 _OTHER = ("d", "white")
+# the branch itself has no corner there
+_SMOOTH = (
+    "fold", "flip", "torus", "symmetry_breaking", "branch_point", "turning_point", "bound",
+    "closed",
+)  # fmt: skip
 _ENDS = ("bound", "closed", "end")  # of the branch, whatever its orbits are
 _NO_MOTION, _PALE = ", inadmissible", "0.85"
 _SIZE, _LEAST = 4.5, 2.8  # diameters of marks in points; where they are crowded
@@ -83,6 +90,7 @@ _DEEPEST = 2  # marks below one that make all larger
 _SAME = 1e-9  # part of the way between two points within which a special point is one of them
 
 STABLE, UNSTABLE, SPECIAL, INADMISSIBLE = 0, 1, 2, 3
+_FEWEST = 5  # points of a curve that may be rounded: fewer say little of how it bends
 _NEITHER = -1  # exactly where a change happens
 _JUMPS = -2  # no line leads on: an impact passes the section, and states there jump
 _JUMP = 3.0  # times the change of a value before and behind a jump
@@ -201,6 +209,14 @@ class BranchCurve(NamedTuple):
     # of the way to the next point: STABLE, UNSTABLE, SPECIAL, ...; another number without a line
     kind: npt.NDArray[np.int64]
     special: str = ""  # what its points are, where it is a curve of special ones
+    corner: npt.NDArray[np.bool_] | None = None  # where it may bend sharply, (points,)
+
+    def rounded(self) -> BranchCurve:
+        """The same curve with places between its points, so that these are no corners."""
+        if self.corner is None or self.x.size < _FEWEST:
+            return self
+        x, y, point = rounded(self.x, self.y, self.corner, self.kind == _JUMPS)
+        return self._replace(x=x, y=y, kind=self.kind[point[:-1]], corner=None)
 
     def ways(self, kind: int) -> npt.NDArray[np.bool_]:
         """Which points have a way of one kind to the next one."""
@@ -323,7 +339,11 @@ def branch_curve(
     jumps = passes & (_jumps(points[0], passes) | _jumps(points[1], passes))
     before = np.insert(np.arange(len(points[0])), place, special.before[inner])
     ways[np.isin(before[:-1], np.flatnonzero(jumps))] = _JUMPS
-    return BranchCurve(x, y, ways, what.replace("_", " "))
+    corner = np.zeros(x.size, bool)
+    sharp = ~np.isin(special.kind, _SMOOTH)
+    corner[np.searchsorted(before, special.before[sharp])] = True
+    corner[np.minimum(np.searchsorted(before, special.before[sharp]) + 1, x.size - 1)] = True
+    return BranchCurve(x, y, ways, what.replace("_", " "), corner)
 
 
 def _section_moves(branch: xr.Dataset) -> npt.NDArray[np.bool_]:

@@ -248,6 +248,7 @@ def draw_curve(curve: BranchCurve, ax: Axes, colour: str, number: int) -> None:
     gid, front = f"branch {number}", 3.0 - _LAYER * number
     if curve.x.size == 1:  # no line leads anywhere
         ax.plot(curve.x, curve.y, marker=".", color=colour, linestyle="none", gid=gid)
+    curve = curve.rounded()
     points = np.stack([curve.x, curve.y])
     for kind, (name, style) in KIND_STYLES.items():
         line = broken(points, curve.ways(kind))

@@ -95,6 +95,7 @@ class Recorded(NamedTuple):
     rows: Rows  # (r,): the logs one after the other, no rows for the starts
     event_states: Floats  # (r, 2, n): before and after each event
     logs: Integers  # (K + 1,): first row of each log, and the end of the last one
+    travelled: Floats  # (K, s, n): the states again, of angles with all whole turns
 
 
 class SweepRunner:
@@ -197,5 +198,5 @@ class SweepRunner:
         return Recorded(
             sweep.statuses, np.where(refused, np.nan, stack.clock["window"]), *times,
             sweep.sample_state, sweep.sample_mode, sweep.events[:end], sweep.event_states[:end],
-            sweep.logs,
+            sweep.logs, sweep.sample_state,
         )  # fmt: skip

@@ -176,7 +176,7 @@ def _split(system: System, names: Mapping[str, tuple[str, ...]], text: str, valu
     try:
         return replace(system, **changes)
     except ModelError as fault:
-        if not str(fault).startswith("drift:"):
+        if not str(fault).startswith(("drift:", "drift[")):
             raise
     return replace(system, **changes, drift=())
 

@@ -25,6 +25,7 @@ from nonsmooth.system.model.toml_reading import read_system
 from nonsmooth.system.model.toml_writing import system_to_toml
 from nonsmooth.system.model.value_checks import check_structure, check_values
 from nonsmooth.system.parts import FrozenDict, Text, items_of
+from nonsmooth.system.symmetry.angles import check_angles
 from nonsmooth.system.symmetry.mirror import Mirror, find_mirror
 
 __all__ = ["System"]
@@ -60,12 +61,17 @@ class System(EvaluatedSystem):
     outputs : mapping of str to str, optional
         Quantities recorded beside the states, usable in every equation too.
     period : str or float, optional
-        Period of the forcing; checked against the harmonics in the equations. Where a signal or
+        Period of the forcing; checked against the harmonics in the equations. Where time does not
+        stand in the equations at all, nothing drives the system whatever is declared here: the
+        period is the time between strobes, and an orbit has a length of its own. Where a signal or
         ``t`` by itself stands in them as well, it is the time between strobes and no more: runs
         and their strobes are as ever, and what needs a motion that repeats says so.
     drift : sequence of str or mapping of str to str, optional
-        States on which nothing depends; a mapping gives the period of an angle, which
-        analyses use and a trajectory does not.
+        States that travel without bound: a list of states on which nothing depends, or a mapping
+        that gives each angle its period, ``{"q": "2*pi"}``. The equations may depend on an angle
+        if they repeat with its period, which is checked at random points: a pendulum that turns
+        over depends on ``sin(q)``. A motion repeats up to a constant of a state on which nothing
+        depends, and up to whole periods of an angle. A trajectory shows both as they grow.
     require : mapping of str to str, optional
         Conditions on parameters, each with the reason shown when it fails.
     initial : mapping of str to float or str, optional
@@ -149,6 +155,7 @@ class System(EvaluatedSystem):
         check_words(self)
         check_structure(self)
         check_values(self)
+        check_angles(self)
         _ = self.mirror  # a symmetry that does not hold is refused
 
     @cached_property
@@ -195,6 +202,7 @@ class System(EvaluatedSystem):
         # texts are unchanged, so the parsed structure and its arrays stay valid
         other.__dict__.update(structure=self.structure, compiled=self.compiled)
         check_values(other)
+        check_angles(other)
         _ = other.mirror
         return other
 

@@ -93,7 +93,7 @@ def test_everything_that_a_system_may_have():
     )
     lines = rows(told(system))
     assert "x place [mm]; 0.25 at rest" in lines
-    assert "a an angle of period 2*pi" in lines
+    assert "a an angle of period 2*pi, on which nothing depends: it drifts" in lines
     assert "k = 4 stiffness" in lines
     assert "period none declared" in lines
     assert "s from s - x = k" in lines
@@ -108,7 +108,8 @@ def test_everything_that_a_system_may_have():
     [(None, "none declared"), (0.5, "about 0.5 s"), ("pi", "pi, about 3.142 s")],
 )
 def test_periods(period, shown):
-    system = System.from_matrices([[-1.0]], period=period, describe={"time": "time [s]"})
+    force = "0" if period is None else f"cos(2*pi*t/({period}))"
+    system = System.from_matrices([[-1.0]], [force], period=period, describe={"time": "time [s]"})
     assert f"period {shown}" in rows(told(system))
 
 
@@ -244,3 +245,16 @@ def test_bodies_that_stick_together_are_named_together():
     stick = rows(text[text.index("cell flow[0]") :])
     (row,) = [line for line in stick if "oscillates" in line]
     assert row.startswith("x, vx, vy oscillates")
+
+
+@pytest.mark.parametrize(
+    ("force", "is_driven"),
+    [("0", False), ("-sin(x)", False), ("cos(2*t)", True), ("sin(x)*cos(2*t)", True)],
+)
+def test_a_period_drives_nothing_by_itself(force, is_driven):
+    system = System(
+        states=["x", "v"], period="pi", equations={"x": "v", "v": f"{force} - 0.1*v"}
+    )  # fmt: skip
+    assert system.is_driven is is_driven
+    alone = "period pi, about 3.142: the time between strobes alone, for nothing depends on time"
+    assert rows(told(system)).count(alone) == (not is_driven)

@@ -17,6 +17,7 @@ from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.strobe_runner import StrobeRunner
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
 
 __all__ = [
@@ -55,10 +56,11 @@ def with_images(chosen: Any, attractors: list[Attractor], tolerance: float) -> l
     keep = np.array([name not in system.drift_states for name in system.states])
     sizes = np.abs(np.concatenate([one.points for one in attractors])).max(axis=0)
     scale = np.where(sizes > 0.0, sizes, 1.0)
-    known = [(one.points / scale)[:, keep] for one in attractors]
+    periods = periods_of_states(system)
+    known = [_near_zero(one.points, periods)[:, keep] / scale[keep] for one in attractors]
     found = []
     for one in attractors:
-        images = (_images(chosen, one, tolerance) / scale)[:, keep]
+        images = _near_zero(_images(chosen, one, tolerance), periods)[:, keep] / scale[keep]
         gaps = [
             _gap(images, points, one.is_cycle) if other.period == one.period else np.inf
             for other, points in zip(attractors, known, strict=True)
@@ -66,6 +68,11 @@ def with_images(chosen: Any, attractors: list[Attractor], tolerance: float) -> l
         nearest = int(np.argmin(gaps))
         found.append(replace(one, image=nearest + 1 if gaps[nearest] <= 1.0 else NO_IMAGE))
     return found
+
+
+def _near_zero(points: Floats, periods: Floats) -> Floats:
+    """Points whose angles are within half a turn of zero."""
+    return np.asarray(points - whole_turns(points, periods))
 
 
 def _images(chosen: StroboscopicMap, one: Attractor, tolerance: float) -> Floats:
@@ -158,7 +165,7 @@ def attractor_variables(
             np.int64,
             "number of the mirror image, 0 where none is known",
         )
-    for name in system.drift_states:
+    for name in system.drift:
         k = system.states.index(name)
         label = words.attributes(name)["long_name"]
         variables[f"{name}_per_iterate"] = _each(
@@ -181,7 +188,8 @@ def _as_arrays(
     modes = np.full((count, most), -1, labels_of(system).mode_type)
     multipliers = np.full((count, n - len(system.drift_states)), np.nan + 0j)
     for i, one in enumerate(attractors):
-        points[i, : len(one.points)], modes[i, : len(one.points)] = one.points, one.modes
+        points[i, : len(one.points)] = _near_zero(one.points, periods_of_states(system))
+        modes[i, : len(one.points)] = one.modes
         if one.multipliers is not None:
             multipliers[i] = one.multipliers
     return points, modes, multipliers

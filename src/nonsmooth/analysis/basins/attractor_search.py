@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor, Cycle, canonical, refine
+from nonsmooth.analysis.basins.folded_runner import runner_within_turns, turned
 from nonsmooth.analysis.basins.kind_of_set import ESCAPING, kind_of_set
 from nonsmooth.analysis.basins.recurrences import (
     Known,
@@ -142,12 +143,13 @@ def cycle_from(
                 return cycle_from(runner, measure, state, mode, shorter, drifting)
     if cycle is None or not cycle.step <= _PLACED:
         return None
+    turns = turned(runner, cycle.points[0], int(cycle.modes[0]), period)
     return canonical(
         Attractor(
             points=cycle.points,
             modes=cycle.modes,
             period=period,
-            drift=cycle.drift / period,
+            drift=(cycle.drift + turns) / period,
             kind="periodic",
             multipliers=cycle.multipliers,
             residual=cycle.residual,
@@ -431,7 +433,7 @@ def find_attractors(
     chosen: Any, box: Box, how: SearchOptions, *, silent: bool = False
 ) -> FoundAttractors:
     """Settle the starts of a box; ``silent`` without a progress bar, as a part of longer work."""
-    runner = chosen.runner(how.tolerance)
+    runner = runner_within_turns(chosen, how.tolerance)
     starts, drawn = admissible_starts(runner, box, how.samples, how.seed)
     drifting = drift_mask(chosen.system)
     images, statuses = _first_look(runner, starts, silent=silent)
@@ -478,7 +480,7 @@ def search_among(
 ) -> AttractorSearch:
     """A search that knows some attractors already; ``tell`` is told how many lanes are done."""
     return AttractorSearch(
-        chosen.runner(how.tolerance) if runner is None else runner, known,
+        runner_within_turns(chosen, how.tolerance) if runner is None else runner, known,
         drift_mask(chosen.system), match=how.match, longest=how.longest, record=how.record,
         exponent_steps=how.exponent_steps, tell=tell,
     )  # fmt: skip

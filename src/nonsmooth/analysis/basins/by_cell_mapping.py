@@ -20,6 +20,7 @@ from nonsmooth.analysis.basins.attractor_search import (
     SettledStarts,
 )
 from nonsmooth.analysis.basins.by_recurrences import NOT_COMPUTED, Basins, look_closer, search_from
+from nonsmooth.analysis.basins.folded_runner import runner_within_turns
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.engine.lanes import ANY, SAME
 from nonsmooth.engine.status import Status
@@ -270,7 +271,7 @@ def by_cell_mapping(
     threads: int,
 ) -> Basins:
     """Map cells to cells, and follow the cycles of that map by the exact one."""
-    cells = CellMap(grid, lambda: chosen.runner(how.tolerance), threads)
+    cells = CellMap(grid, lambda: runner_within_turns(chosen, how.tolerance, grid), threads)
     label, steps = np.full(grid.size, NOT_COMPUTED), np.zeros(grid.size, np.int64)
     search, changes = None, Changes(grid)
     for _ in range(DOUBLINGS):

@@ -31,6 +31,7 @@ from nonsmooth.analysis.basins.by_cell_mapping import (
     map_points,
 )
 from nonsmooth.analysis.basins.by_recurrences import NOT_COMPUTED, Basins, search_from
+from nonsmooth.analysis.basins.folded_runner import runner_within_turns
 from nonsmooth.analysis.basins.recurrences import Known, new_visits
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.engine.attractors import visit
@@ -195,7 +196,7 @@ def by_cell_shares(
     threads: int,
 ) -> Basins:
     """Map points of every cell, and follow the chain of cells that this makes."""
-    cells = CellPoints(grid, lambda: chosen.runner(how.tolerance), threads)
+    cells = CellPoints(grid, lambda: runner_within_turns(chosen, how.tolerance, grid), threads)
     shared: _Shares | None = None
     try:
         for _ in range(DOUBLINGS):

@@ -25,6 +25,7 @@ from nonsmooth.analysis.basins.attractor_search import (
     find_attractors,
     measure_of,
 )
+from nonsmooth.analysis.basins.folded_runner import runner_within_turns
 from nonsmooth.analysis.basins.recurrences import Known, KnownCycles, confirm_visits, new_visits
 from nonsmooth.analysis.basins.region import Box, Grid
 from nonsmooth.analysis.options import SharedOptions
@@ -166,7 +167,7 @@ def search_from(chosen: Any, states: Floats, how: SearchOptions) -> AttractorSea
         raise OptionError(
             "no mode admits the centre of any cell; choose another region, or finer cells"
         )
-    runner, drifting = chosen.runner(how.tolerance), drift_mask(chosen.system)
+    runner, drifting = runner_within_turns(chosen, how.tolerance), drift_mask(chosen.system)
     some = states[:: max(1, len(states) // _AT_ONCE)]
     images, _ = runner.iterate(runner.start(some), FIRST_LOOK)
     known = Known(measure_of(images, some, drifting, how.cells))
@@ -202,9 +203,8 @@ def label_grid(
     """Follow the centre of every cell to the attractors that are found, or to further ones."""
     settled, complete = label_starts(
         grid.states, grid.size, found.known.landmarks(), found.known.cycles(),
-        lambda: chosen.runner(how.tolerance), longest=how.longest, threads=shared.workers,
-        store=shared.store,
-        protocol=protocol,
+        lambda: runner_within_turns(chosen, how.tolerance), longest=how.longest,
+        threads=shared.workers, store=shared.store, protocol=protocol,
     )  # fmt: skip
     if complete:
         complete = look_closer(found.search, grid, settled)

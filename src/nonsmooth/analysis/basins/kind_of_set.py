@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor
+from nonsmooth.analysis.basins.folded_runner import turned
 from nonsmooth.analysis.statistics.block_averages import block_averages, means_differ
 
 __all__ = ["ESCAPING", "kind_of_set"]
@@ -34,7 +35,8 @@ def kind_of_set(
         points=points,
         modes=modes,
         period=0,
-        drift=np.where(drifting, (points[-1] - points[0]) / max(1, len(points) - 1), 0.0),
+        drift=np.where(drifting, (points[-1] - points[0]) / max(1, len(points) - 1), 0.0)
+        + turned(runner, points[0], int(modes[0]), len(points)) / len(points),
     )
     rates = _growth(runner, points[-1], int(modes[-1]), drifting, steps)
     exponent, error = _mean(rates)

@@ -95,6 +95,11 @@ class Grid:
         """Number of cells."""
         return int(np.prod(self.shape))
 
+    @property
+    def lower_ends(self) -> list[float]:
+        """Where the first cells along each axis begin, half a cell before their centres."""
+        return [float(1.5 * axis[0] - 0.5 * axis[1]) for axis in self.axes]
+
     def values(self, cells: npt.NDArray[np.int64]) -> Floats:
         """Values at the centres of cells given by number; returns (N, d)."""
         places = np.unravel_index(cells, self.shape)

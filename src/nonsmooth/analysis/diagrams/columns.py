@@ -19,6 +19,7 @@ from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.outputs import SampleClock, output_values
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.whole_turns import cuts_of, folded, periods_of_states
 from nonsmooth.system.system import System
 
 __all__ = [
@@ -57,6 +58,11 @@ class DiagramProtocol:
         """Transient after which a motion without a period is looked at again; 0 for never."""
         following = 2 * max(transient, self.record)
         return following if following <= self.longest else 0
+
+    def folded(self, points: Floats) -> Floats:
+        """Points of one motion, (K, n), with angles within one turn."""
+        periods = periods_of_states(self.system)
+        return folded(points, cuts_of(points, periods), periods)
 
     @property
     def strobed(self) -> StroboscopicMap:

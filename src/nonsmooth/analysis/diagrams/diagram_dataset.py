@@ -102,7 +102,7 @@ def _of_lanes(
         ),
         "status": (_LANES, status.astype(str), {"long_name": "how the motion ended"}),
     }  # fmt: skip
-    for name in protocol.system.drift_states:
+    for name in protocol.system.drift:
         k = protocol.system.states.index(name)
         label = labels_of(protocol.system).attributes(name)["long_name"]
         variables[f"{name}_per_{protocol.unit}"] = (

@@ -76,7 +76,7 @@ def run_section_chain(
         last = None
         if points is not None:
             part = float(points.phase[-1]) / runner.engine.window
-            last = End(points.states[1, -1], int(points.modes[1, -1]), part)
+            last = End(protocol.folded(points.states[1, -1:])[0], int(points.modes[1, -1]), part)
     return looks, last
 
 
@@ -113,7 +113,7 @@ def _look_after(
     if status != Status.COMPLETED:
         return nothing(status, n, np.nan), None
     side = 0 if runner.chosen.side == "before" else 1
-    states, modes = points.states[side], points.modes[side]
+    states, modes = protocol.folded(points.states[side]), points.modes[side]
     since = (points.number - points.number[0]) * window + (points.phase - points.phase[0])
     period = _period(protocol, states, since, lanes.ways[0].size)
     count = whole_periods(protocol.record, period)
@@ -132,7 +132,7 @@ def _look_after(
         _word(runner, points, rows, period) if period else "",
         len(events) / count,
         impacts_of(runner.engine.system).count(events) / count,
-        (states[-1] - states[first]) / count,
+        (points.states[side][-1] - points.states[side][first]) / count,
         int(lanes.lanes.uncertain[0]),
         int(lanes.lanes.estimated[0]),
         float(since[-1] - since[first]) / count,

@@ -58,7 +58,7 @@ class _Judged:
         count = whole_periods(self._protocol.record, period)
         first = -1 - count
         each = np.arange(period.size)
-        drift = (recorded.states[:, -1] - recorded.states[each, first]) / count[:, None]
+        drift = (recorded.travelled[:, -1] - recorded.travelled[each, first]) / count[:, None]
         lasts = (recorded.numbers[:, -1] - recorded.numbers[each, first]) * recorded.windows
         lasts += recorded.phases[:, -1] - recorded.phases[each, first]
         events, impacts = (

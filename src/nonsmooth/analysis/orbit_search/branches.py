@@ -86,8 +86,8 @@ def branch_dataset(
         "point": (over, np.arange(len(parts)), {"long_name": "point of the branch"}),
         "time": (over, np.array([part.looked.turn.instants[0] for part in parts])),
     }
-    if system.drift_states:
-        coords["drift_state"] = (("drift_state",), np.array(system.drift_states))
+    if system.drift:
+        coords["drift_state"] = (("drift_state",), np.array(tuple(system.drift)))
     return xr.Dataset(variables, coords, common(system) | {"parameter": name} | attrs)
 
 

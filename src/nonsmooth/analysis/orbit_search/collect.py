@@ -31,6 +31,7 @@ from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest
 from nonsmooth.periodic_orbits.search import equations_for, is_autonomous, solve_guess
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.runs.progress import HeldInterrupts, Progress
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 
 __all__ = ["Collected", "HowToCollect", "collect_orbits"]
 
@@ -108,19 +109,20 @@ class _Collection:
         self.report, self.driven = report, not is_autonomous(legs)
         names = legs.system.states
         self.drifting = np.array([name in legs.system.drift_states for name in names])
+        self.angle_periods = periods_of_states(legs.system)
         self.origin = np.array([legs.system.rest_state[name] for name in names])
         self.set: OrbitSet | None = None
 
     def run(self) -> None:
         """Motions first, then guesses for one period after the other."""
         motions = list(self._motions())
-        self.spread = spread_of(motions, self.drifting)
+        self.spread = spread_of(motions, self.drifting, self.angle_periods)
         self.set = OrbitSet(self.legs, self.spread, self.how.match)
         smooth = not self.driven and not any(len(motion.points) for motion in motions)
         if smooth:
             self._smooth_cycles()
         for n in range(1, 1 + (0 if smooth else self.how.longest)):
-            returns = close_returns(motions, n, self.spread, self.how.guesses)
+            returns = close_returns(motions, n, self.spread, self.angle_periods, self.how.guesses)
             self._solve_returns(motions, returns, replace(self.wanted, period=n))
 
     def _solve_returns(
@@ -135,7 +137,10 @@ class _Collection:
             key = motion.word_key(each.i, each.j)
             if idle[key] >= _PATIENCE:
                 continue
-            guess = motion.guess(each.i, each.j, self.origin, self.drifting)
+            point = motion.points[each.i]
+            turned = whole_turns(point, self.angle_periods)
+            shift = np.where(self.drifting, point - self.origin, turned)
+            guess = motion.guess(each.i, each.j, shift)
             new = guess is not None and self._solve(wanted, guess)
             idle[key] = 0 if new else idle[key] + 1
             tried += 1
@@ -266,6 +271,7 @@ class OrbitSet:
     def __init__(self, legs: Legs, spread: Floats, match: float) -> None:
         """``spread`` tells what counts as large, infinite for drifts; ``match`` is a part of it."""
         self._legs, self._spread, self._match = legs, spread, match
+        self._angle_periods = periods_of_states(legs.system)
         self.members: list[Member] = []
 
     def add(self, orbit: Orbit) -> bool:
@@ -304,7 +310,8 @@ class OrbitSet:
         if orbit.autonomous and not orbit.word.closes_at_event:
             return other.word.modes == orbit.word.modes and self._on_cycle(points[0], other)
         for shift in range(len(points)):
-            apart = np.abs(np.roll(points, -shift, axis=0) - member.points) / self._spread
+            change = np.roll(points, -shift, axis=0) - member.points
+            apart = np.abs(change - whole_turns(change, self._angle_periods)) / self._spread
             if apart.max() > self._match:
                 continue
             if not orbit.autonomous or _shifted(orbit.word, shift) == other.word:
@@ -320,7 +327,10 @@ class OrbitSet:
         states = np.repeat(turn.states, count, axis=0)
         begins = np.full(count, turn.instants[0])
         around = self._legs.follow_each(opened, states, begins, times).ends
-        apart = (np.abs(around - point) / self._spread).max(axis=1)
+        away = point - around
+        turned = whole_turns(away, self._angle_periods)
+        apart = (np.abs(away - turned) / self._spread).max(axis=1)
+        point = point - turned[int(np.argmin(apart))]
         instant = times[int(np.argmin(apart))]
         drifts = np.isinf(self._spread)
         for _ in range(_CORRECTIONS):

@@ -22,6 +22,7 @@ from nonsmooth.runs.clock import Instant, Plan, since_strobe
 from nonsmooth.runs.first_mode import in_first_mode
 from nonsmooth.runs.runner import NoMode, Outcome, run_plan
 from nonsmooth.runs.start import complete_state, resolve_start, start_at_end
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
 
 __all__ = [
@@ -79,10 +80,8 @@ class PointsOfMotion:
         """What tells the word from point i to point j from others."""
         return bytes([self.modes[i] & 255]) + self.event_rows[self.between(i, j)].tobytes()
 
-    def guess(
-        self, i: int, j: int, origin: Floats, drifting: npt.NDArray[np.bool_]
-    ) -> Guess | None:
-        """Legs from point i to point j, drifts shifted to those of an origin.
+    def guess(self, i: int, j: int, shift: Floats) -> Guess | None:
+        """Legs from point i to point j, less a shift of the states, (n,).
 
         None where more exits are passed at one instant than a word can hold.
         """
@@ -99,7 +98,7 @@ class PointsOfMotion:
             kept.append(())
         else:  # the last event is point j itself
             modes, states, instants = modes[:-1], states[:-1], instants[:-1]
-        states = states - np.where(drifting, self.points[i] - origin, 0.0)
+        states = states - shift
         return Guess(
             Word(tuple(modes), tuple(kept)), Turn(states, instants - instants[0] + self.phase)
         )
@@ -165,14 +164,17 @@ class Return(NamedTuple):
     gap: float  # beside the spread of the points
 
 
-def spread_of(motions: Sequence[PointsOfMotion], drifting: npt.NDArray[np.bool_]) -> Floats:
-    """What counts as large for each state; infinite for drifts."""
+def spread_of(
+    motions: Sequence[PointsOfMotion], drifting: npt.NDArray[np.bool_], periods: Floats
+) -> Floats:
+    """What counts as large for each state; infinite for drifts, one turn at most for angles."""
     parts = [each for motion in motions for each in (motion.points, motion.event_states)]
     points = np.concatenate(parts)
     if not len(points):
         return np.where(drifting, np.inf, 1.0)
     low, high = np.quantile(points, [_OUTER, 1.0 - _OUTER], axis=0)
     spread = np.where(drifting, 0.0, high - low)
+    spread = np.where(periods > 0.0, np.minimum(spread, periods), spread)
     # a state that hardly moves, beside one that does
     size = np.abs(np.where(drifting, 0.0, points)).max(initial=1e-12)
     least = np.maximum(1e-6 * spread.max(), 1e-9 * size)
@@ -180,9 +182,12 @@ def spread_of(motions: Sequence[PointsOfMotion], drifting: npt.NDArray[np.bool_]
 
 
 def close_returns(
-    motions: Sequence[PointsOfMotion], n: int, spread: Floats, most: int
+    motions: Sequence[PointsOfMotion], n: int, spread: Floats, periods: Floats, most: int
 ) -> list[Return]:
-    """Returns after n points of one kind, the closest first; at most so many."""
+    """Returns after n points of one kind, the closest first; at most so many.
+
+    Points whole turns of angles apart are one; ``periods`` (n,) are those of angles.
+    """
     numbers, first, last, gaps = [], [], [], []
     for number, motion in enumerate(motions):
         for kind in np.unique(motion.kinds):
@@ -190,7 +195,8 @@ def close_returns(
             if places.size <= n:
                 continue
             i, j = places[:-n], places[n:]
-            gap = (np.abs(motion.points[j] - motion.points[i]) / spread).max(axis=1)
+            change = motion.points[j] - motion.points[i]
+            gap = (np.abs(change - whole_turns(change, periods)) / spread).max(axis=1)
             numbers.append(np.full(i.size, number))
             first.append(i)
             last.append(j)
@@ -245,6 +251,7 @@ def states_around(
     In every other one, states that some mode slaves are nan: left to the equations of a mode.
     """
     points = np.concatenate([motion.points, motion.event_states])
+    points = points - whole_turns(points, periods_of_states(system))
     origin = np.array([system.rest_state[name] for name in system.states])
     if not len(points):
         points = origin[None]

@@ -41,6 +41,7 @@ class Evidence:
     length: float  # of an interval
     names: tuple[str, ...]  # of the states
     drifting: npt.NDArray[np.bool_]  # (n,)
+    angles: npt.NDArray[np.bool_]  # (n,), which come round without being turned back
     sizes: Floats  # (n,) since the start
     autonomous: bool
     hides_phase: bool  # whether strobes see a forcing at different phases
@@ -190,7 +191,8 @@ def _unbounded(label: str, seen: Verdict, found: Evidence, match: float) -> str:
     )
     sizes = found.sizes[~found.drifting]
     if label == labels.LIMIT_CYCLE:
-        why = no_closed_orbit(earlier, later, names, sizes, seen.events > 0, match)
+        turns = seen.events > 0 or bool(np.any(found.angles))
+        why = no_closed_orbit(earlier, later, names, sizes, turns, match)
     else:
         torus = label == labels.QUASI_PERIODIC and found.autonomous
         why = travels(earlier, later, names) if torus else ""

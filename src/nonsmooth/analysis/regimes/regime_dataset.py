@@ -69,9 +69,9 @@ def numbers_of(
 
 
 def _drifts(system: System, verdicts: Sequence[Verdict | None], variable: Any) -> dict[str, Any]:
-    """Mean change of every drifting state."""
+    """Mean change of every drifting state and angle."""
     variables = {}
-    for name in system.drift_states:
+    for name in system.drift:
         k = system.states.index(name)
         label = labels_of(system).attributes(name)["long_name"]
         per_period: npt.NDArray[np.float64] = np.array(
@@ -80,7 +80,7 @@ def _drifts(system: System, verdicts: Sequence[Verdict | None], variable: Any) -
         lengths = np.array([v.length if v else np.nan for v in verdicts])
         variables[f"{name}_per_period"] = variable(per_period, f"{label}, per period")
         variables[f"{name}_per_time"] = variable(per_period / lengths, f"{label}, per unit time")
-    if system.drift_states:
+    if system.drift:
         values = np.array([v.progresses if v else 0 for v in verdicts], np.int8)
         words = _flags(("stands", "progresses"))
         variables["progresses"] = variable(values, "whether the motion drifts", **words)

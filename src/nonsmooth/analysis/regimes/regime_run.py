@@ -29,6 +29,7 @@ from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.strobe_times import hides_phase, is_driven
 from nonsmooth.runs.sweep_runner import Recorded, Times
+from nonsmooth.runs.whole_turns import whole_turns
 
 __all__ = ["first_windows", "settled_regimes"]
 
@@ -93,6 +94,7 @@ class _Motions:
         self.first_states = np.array(
             [nothing if start is None else start.state for start in group.starts]
         )
+        self.first_states = self.first_states - whole_turns(self.first_states, group.angle_periods)
         self.sizes = np.abs(self.first_states)  # (M, n) of the states since the start
         self.natural = self.sizes.copy()  # (M, n): see `natural_sizes`
         self.reached = np.zeros(group.count, np.int64)  # strobes passed
@@ -247,7 +249,7 @@ class _Motions:
         seen = {}
         for i in np.flatnonzero(alive).tolist():
             points = windows.points[i]
-            drift = (points[-1] - points[-1 - count[i]]) / count[i]
+            drift = (windows.travelled[i, -1] - windows.travelled[i, -1 - count[i]]) / count[i]
             seen[i] = Verdict(
                 label=labels.UNSETTLED,
                 reason="",
@@ -267,9 +269,11 @@ class _Motions:
         return seen
 
     def _progresses(self, i: int, drift: Floats) -> int:
-        """Whether a state drifts by more than ``match`` of the size of the other states."""
+        """Whether a state drifts by more than ``match`` of the size of the others, or an angle."""
+        match, turns = self.protocol.match, self.group.angle_periods
         size = float(self.sizes[i, ~self.drifting].max(initial=0.0))
-        return int(np.any(np.abs(drift[self.drifting]) > self.protocol.match * size))
+        turning = (turns > 0.0) & (np.abs(drift) > match * turns)
+        return int(np.any((np.abs(drift) > match * size)[self.drifting]) or np.any(turning))
 
     def _repeating(self, windows: Windows, seen: dict[int, Verdict], chosen: Bools) -> None:
         """Multipliers decide whether motions that repeat are some to settle to."""
@@ -310,7 +314,20 @@ class _Motions:
             lost: dict[str, Any] = {"multipliers": np.zeros_like(multipliers), "exponent": -np.inf}
             seen = replace(seen, **lost)
             return seen.named(labels.LOCKED, "every perturbation is lost within a period")
-        return seen.named(labels.PERIODIC, _repeats(seen))
+        return seen.named(labels.PERIODIC, _repeats(seen) + self._turned(seen))
+
+    def _turned(self, seen: Verdict) -> str:
+        """How far angles have turned when a motion repeats, in words."""
+        states, period = self.system.states, seen.period
+        counts = {
+            name: round(period * float(seen.drift[states.index(name)]) / length)
+            for name, length in self.system.angles.items()
+        }
+        return "".join(
+            f"; {name} makes {count} turn{'s' if abs(count) > 1 else ''} of its period then"
+            for name, count in counts.items()
+            if count
+        )
 
     def _at_rest(self, windows: Windows, i: int, seen: Verdict) -> Verdict:
         """Label of a motion that rests, or is on the last of its way there.
@@ -400,8 +417,9 @@ class _Motions:
         kept, length = states[neighbours.turn - 1 :], self.group.length(i)
         strobes, looks = (kept[::2], kept[1::2]) if self.autonomous else (kept, kept[1:])
         evidence = Evidence(
-            growth, strobes, looks, length, tuple(self.system.states), self.drifting, self.sizes[i],
-            self.autonomous, hides_phase(self.group.runner.tables(i), length),
+            growth, strobes, looks, length, tuple(self.system.states), self.drifting,
+            self.group.angle_periods > 0.0, self.sizes[i], self.autonomous,
+            hides_phase(self.group.runner.tables(i), length),
         )  # fmt: skip
         found = by_growth(seen, evidence, self.protocol)
         if found.label != labels.CHAOTIC:

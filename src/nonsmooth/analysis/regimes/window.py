@@ -87,7 +87,8 @@ class Windows:
     M motions, K = 2 record + 1 strobes, n states.
     """
 
-    points: Floats  # (M, K, n)
+    points: Floats  # (M, K, n), angles within one turn
+    travelled: Floats  # (M, K, n): the same with all whole turns
     modes: Integers  # (M, K)
     numbers: Integers  # (M, K): window of the clock, and phase in it
     phases: Floats  # (M, K)
@@ -102,10 +103,10 @@ class Windows:
         """Windows of motions that were recorded at the times of `window_times`."""
         kept = {
             name: np.delete(getattr(recorded, name), _OTHERS, axis=1)
-            for name in ("states", "modes", "numbers", "phases")
+            for name in ("states", "travelled", "modes", "numbers", "phases")
         }
         return Windows(
-            kept["states"], kept["modes"], kept["numbers"], kept["phases"],
+            kept["states"], kept["travelled"], kept["modes"], kept["numbers"], kept["phases"],
             recorded.states[:, _OTHERS], recorded.modes[:, _OTHERS], *_extremes(recorded),
             PassedEvents(group.system, recorded._replace(**kept)),
         )  # fmt: skip
@@ -238,10 +239,10 @@ def no_closed_orbit(
 ) -> str:
     """Why two windows show no closed orbit, "" where they do.
 
-    One state alone goes one way for ever unless events turn it back.
+    One state alone goes one way for ever unless events turn it back or it is an angle.
 
     shapes: earlier and later (K, n), drifting states left out; sizes (n,) of the states since the
-    start; turns: whether events happen
+    start; turns: whether events happen, or a state is an angle
     """
     if len(names) < 2 and not turns:
         return (

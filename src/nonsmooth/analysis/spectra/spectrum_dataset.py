@@ -110,7 +110,11 @@ def check_plane(
 
 def plane_label(names: Sequence[str], label: str) -> str:
     """What a spectrum is of: the label of one variable, or the names of two."""
-    return f"the {label}" if len(names) == 1 else f"{names[0]} + i {names[1]}"
+    return (
+        (label if label == names[0] else f"the {label}")
+        if len(names) == 1
+        else f"{names[0]} + i {names[1]}"
+    )
 
 
 def waterfall_dataset(

@@ -9,9 +9,11 @@ from functools import cached_property
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.algebra.linear import LinearForm, Power
+from nonsmooth.system.compile.dependence import where_it_stands
 from nonsmooth.system.compile.program import Compiled, compile_structure
 from nonsmooth.system.compile.structure import SystemStructure, structure_of
 from nonsmooth.system.data import SystemData
+from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.parts import Text
 from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.expressions import names_in, to_text
@@ -92,14 +94,49 @@ class EvaluatedSystem(SystemData):
         return ""
 
     @property
+    def is_driven(self) -> bool:
+        """Whether time stands in the equations: as harmonics, as powers, or as signals."""
+        structure = self.structure
+        return bool(structure.frequencies or structure.time_order or self.signals)
+
+    @property
     def mode_names(self) -> tuple[str, ...]:
         """Names of the modes that run, in order: piecewise ones by their cells."""
         return tuple(forms.label for forms in self.structure.running)
 
     @property
     def drift_states(self) -> tuple[str, ...]:
-        """Names of the states on which nothing depends."""
-        return tuple(self.drift)
+        """Names of the states on which nothing depends: those in ``drift`` but for `angles`."""
+        return tuple(name for name in self.drift if name not in self.angles)
+
+    @cached_property
+    def forms_of_angles(self) -> dict[str, LinearForm]:
+        """What the texts of the periods of angles in ``drift`` mean."""
+        if not isinstance(self.drift, Mapping):
+            return {}
+        known = {*self.parameters, *self.definitions, "pi"}
+        read = self.structure.static_form.form
+        return {
+            name: read(Equation.read(text, f"drift[{name!r}]", known))
+            for name, text in self.drift.items()
+        }
+
+    @cached_property
+    def periods_of_angles(self) -> dict[str, float]:
+        """Periods of all angles in ``drift`` for the present parameters."""
+        return {
+            name: static_value(form, self.parameter_values, f"drift[{name!r}]")
+            for name, form in self.forms_of_angles.items()
+        }
+
+    @cached_property
+    def angles(self) -> dict[str, float]:
+        """Periods of the angles on which something depends: a motion repeats up to these."""
+        return {
+            name: value
+            for name, value in self.periods_of_angles.items()
+            if where_it_stands(self.structure, name)
+        }
 
 
 def parameter_values(parameters: Mapping[str, Text]) -> dict[str, float]:

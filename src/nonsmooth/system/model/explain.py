@@ -152,7 +152,8 @@ def _states(system: EvaluatedSystem) -> Iterator[tuple[str, str]]:
     for name in system.states:
         notes = [system.describe.get(name, "")]
         if isinstance(system.drift, Mapping) and name in system.drift:
-            notes.append(f"an angle of period {system.drift[name]}")
+            drifts = "" if name in system.angles else ", on which nothing depends: it drifts"
+            notes.append(f"an angle of period {system.drift[name]}{drifts}")
         elif name in system.drift:
             notes.append("drifts")
         if system.rest_state[name] != 0.0:
@@ -169,7 +170,10 @@ def _period(system: EvaluatedSystem, time_unit: str) -> tuple[str, str]:
     if system.period is None or system.period_value is None:
         return "period", "none declared"
     value = f"about {_quantity(system.period_value, time_unit)}"
-    return "period", f"{system.period}, {value}" if isinstance(system.period, str) else value
+    told = f"{system.period}, {value}" if isinstance(system.period, str) else value
+    if system.is_driven:
+        return "period", told
+    return "period", f"{told}: the time between strobes alone, for nothing depends on time"
 
 
 def _signals(system: EvaluatedSystem) -> Iterator[tuple[str, str, str]]:

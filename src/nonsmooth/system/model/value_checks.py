@@ -17,13 +17,12 @@ import numpy.typing as npt
 
 from nonsmooth.engine.tables import FREE, RESTING
 from nonsmooth.errors import ModelError, unknown_name
-from nonsmooth.system.algebra.linear import LinearForm, State
+from nonsmooth.system.compile.dependence import where_it_stands
 from nonsmooth.system.compile.structure import SystemStructure
-from nonsmooth.system.equations.equation import Equation
-from nonsmooth.system.model.evaluated import EvaluatedSystem, static_value
+from nonsmooth.system.model.evaluated import EvaluatedSystem
 from nonsmooth.system.parts import Text
 from nonsmooth.system.text.evaluate import constant_value, evaluate
-from nonsmooth.system.text.expressions import ONE, Expression, Name, names_in, to_text
+from nonsmooth.system.text.expressions import Expression, Name, names_in, to_text
 from nonsmooth.system.text.grammar import parse_condition
 
 __all__ = [
@@ -40,39 +39,22 @@ _TURN = 5e-15  # half of what `check_values` allows
 
 
 def check_structure(system: EvaluatedSystem) -> None:
-    """Linear forms exist and nothing depends on a drifting state."""
+    """Linear forms exist, and nothing depends on a state that drifts and is no angle."""
     try:
         structure = system.structure
     except RecursionError:
         raise ModelError(
             f"{system.name}: definitions build on each other too deeply; write some of them out"
         ) from None
-    for drifting in system.drift_states:
-        for where, depends in _dependences(structure, drifting):
-            if depends:
-                raise ModelError(
-                    f"drift: {where} depends on {drifting!r}, so it cannot be a drift state;"
-                    " leave it out of drift= or rewrite the equation"
-                )
-
-
-def _dependences(structure: SystemStructure, drifting: str) -> Iterator[tuple[str, bool]]:
-    """Everything that a drift must not enter, and whether it does."""
-    for forms in structure.modes.values():
-        if forms.taylor is not None:
-            for where, node, own in forms.taylor.with_place(forms.name):
-                yield where, forms.depends(node, drifting, own)
-        elif forms.linear is not None:
-            for where, form, own in forms.linear.with_place(forms.name):
-                yield where, _form_depends(form, drifting, own)
-
-
-def _form_depends(form: LinearForm, drifting: str, own: str) -> bool:
-    if own != drifting:
-        return State(drifting) in form.terms
-    moved = {b: c for b, c in form.terms.items() if b != State(drifting)}
-    stays = form.coefficient(State(drifting)) == ONE
-    return not stays or any(isinstance(b, State) for b in moved)
+    known_periods = system.drift if isinstance(system.drift, Mapping) else {}
+    for name in system.drift:
+        where = "" if name in known_periods else where_it_stands(structure, name)
+        if where:
+            raise ModelError(
+                f"drift: {where} depends on {name!r}, so it cannot be a drift state; where the"
+                f" equations repeat with it, as with an angle, give its period: drift={{{name!r}:"
+                " '2*pi'}; else leave it out of drift= or rewrite the equation"
+            )
 
 
 def check_values(system: EvaluatedSystem) -> None:
@@ -160,19 +142,9 @@ def _held(system: EvaluatedSystem) -> Iterator[tuple[str, Text, Expression]]:
 
 def _check_angles(system: EvaluatedSystem) -> None:
     """Periods of angles in ``drift`` are positive."""
-    for where, text, form in _angle_periods(system):
-        if not static_value(form, system.parameter_values, where) > 0.0:
-            raise ModelError(f"{where} = {text!r}: the period of an angle is positive")
-
-
-def _angle_periods(system: EvaluatedSystem) -> Iterator[tuple[str, Text, LinearForm]]:
-    """Where the period of each angle in ``drift`` stands, its text, and what it means."""
-    if not isinstance(system.drift, Mapping):
-        return
-    known = {*system.parameters, *system.definitions, "pi"}
-    for state, text in system.drift.items():
-        where = f"drift[{state!r}]"
-        yield where, text, system.structure.static_form.form(Equation.read(text, where, known))
+    for name, value in system.periods_of_angles.items():
+        if not value > 0.0:
+            raise ModelError(f"drift[{name!r}] = {value:g}: the period of an angle is positive")
 
 
 def _check_period(system: EvaluatedSystem, period: float) -> None:
@@ -239,7 +211,7 @@ def sure_values(system: EvaluatedSystem, sets: Mapping[str, npt.NDArray[np.float
     with np.errstate(all="ignore"):
         for condition in system.require:
             sure &= np.asarray(number(condition_of(condition)), bool)
-        positive = [form.constant_part for _, _, form in _angle_periods(system)]
+        positive = [form.constant_part for form in system.forms_of_angles.values()]
         for forms in structure.modes.values():
             if not forms.sides:
                 positive += [guard for guard in forms.constant_guards if guard is not None]

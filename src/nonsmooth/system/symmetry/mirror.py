@@ -118,9 +118,7 @@ def _in_words(mapped: StateMap, half_period: bool) -> str:
 
 def _has_half_period(system: EvaluatedSystem) -> bool:
     """Whether time drives a system and all of it repeats."""
-    structure = system.structure
-    moves = bool(structure.frequencies or structure.time_order or system.signals)
-    return moves and system.period_value is not None and not system.unrepeated
+    return system.is_driven and system.period_value is not None and not system.unrepeated
 
 
 class _Images:
