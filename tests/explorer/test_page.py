@@ -272,7 +272,9 @@ def box_of(screen, pane, whole):
     return ends_of(screen, pane)
 
 
-@pytest.mark.parametrize(("width", "height"), [pytest.param(1280, 720, marks=pytest.mark.slow), (1501, 903)])
+@pytest.mark.parametrize(
+    ("width", "height"), [pytest.param(1280, 720, marks=pytest.mark.slow), (1501, 903)]
+)
 def test_marks_stand_where_their_values_are(screen, mole, width, height):
     """Within half a pixel, also in panes whose frames are no whole number of pixels wide."""
     screen.page.set_viewport_size({"width": width, "height": height})
