@@ -54,12 +54,17 @@ def over_b():
     return branch_from(henon(1.0, b), {"x": x, "y": b * x}, "b", (-1.5, -0.5))
 
 
-def test_torus_curve_of_henons_map(over_b):
+@pytest.fixture(scope="module")
+def torus_curve(over_b):
+    return ns.continue_special(over_b, number_of(over_b, "torus"), "a", (-3.0, 5.0))
+
+
+def test_torus_curve_of_henons_map(torus_curve):
     """Multipliers have the product -b and the sum -2 a x: all resonances lie on b = -1.
 
     There a x**2 + 2 x = 1, so a sum s = -2 a x of the pair is at a = s**2/4 - s.
     """
-    curve = ns.continue_special(over_b, number_of(over_b, "torus"), "a", (-3.0, 5.0))
+    curve = torus_curve
     assert curve["b"].values == pytest.approx(-1.0, abs=1e-10)
     found = found_on(curve)
     for kind, total in (("1_3", -1.0), ("1_4", 0.0), ("1_2", -2.0), ("1_1", 2.0)):
@@ -243,8 +248,8 @@ def test_a_fold_curve_goes_on_through_grazing(twice):
     assert len(set(curve["word"].values.tolist())) > 1
 
 
-def test_points_that_no_curve_leads_from(over_b, flips):
-    curve = ns.continue_special(over_b, number_of(over_b, "torus"), "a", (-3.0, 5.0))
+def test_points_that_no_curve_leads_from(torus_curve, flips):
+    curve = torus_curve
     with pytest.raises(ns.OptionError, match="resonance_1_3 point, from which no curve"):
         ns.continue_special(curve, number_of(curve, "resonance_1_3"), "a", (-3.0, 5.0))
     with pytest.raises(ns.OptionError, match="closed point, from which no curve"):
@@ -328,7 +333,12 @@ def test_a_curve_goes_on_where_an_impact_throws_over_a_surface(drill):
     assert np.abs(speeds).min() < 1e-9 < np.abs(speeds).max()
 
 
-@pytest.mark.parametrize("steps", range(1, 12))
+QUICK = {2, 3, 4}  # the word changes at none, behind the last step, and with it
+
+
+@pytest.mark.parametrize(
+    "steps", [pytest.param(k, marks=[pytest.mark.slow] * (k not in QUICK)) for k in range(1, 12)]
+)
 def test_steps_may_end_anywhere(twice, steps):
     """Also at a change of the word, behind which no step is left."""
     curve = ns.continue_special(

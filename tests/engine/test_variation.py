@@ -101,8 +101,14 @@ def test_powers_of_time():
     assert worst(system, 2.0, time=30.0) < ALLOWED
 
 
-@pytest.mark.parametrize("value", [0.0, -0.5, complex(-0.1, 2.0)])
-@pytest.mark.parametrize("size", [2, 3, 4])
+@pytest.mark.parametrize(
+    ("value", "size"),
+    [
+        pytest.param(value, size, marks=[pytest.mark.slow] * (size == 4 and value.imag != 0.0))
+        for size in (2, 3, 4)
+        for value in (0.0, -0.5, complex(-0.1, 2.0))
+    ],
+)
 def test_jordan_chains_by_every_entry(value, size):
     matrix = jordan(value, size)
     n = len(matrix)
@@ -136,14 +142,14 @@ def judge(name, seed):
 
 @pytest.mark.parametrize("name", CLASSES)
 def test_random_systems_of_each_class(name):
-    errors = {seed: judge(name, seed) for seed in range(8)}
+    errors = {seed: judge(name, seed) for seed in range(3)}
     assert max(errors.values()) < ALLOWED, errors
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CLASSES)
 def test_a_hundred_random_systems_of_each_class(name):
-    errors = {seed: judge(name, seed) for seed in range(8, 108)}
+    errors = {seed: judge(name, seed) for seed in range(3, 103)}
     assert max(errors.values()) < ALLOWED, errors
 
 

@@ -162,6 +162,7 @@ def test_a_slider_moves_the_motion_and_its_number(screen, wall):
     assert len(screen.page.evaluate("explorer.timings")) >= 1
 
 
+@pytest.mark.slow
 def test_a_slider_keeps_a_typed_value_as_its_end_while_it_is_moved(screen, wall):
     screen.open(wall)
     slider, field = screen.page.locator("#p-zeta"), screen.page.get_by_label("value of zeta")
@@ -271,7 +272,9 @@ def box_of(screen, pane, whole):
     return ends_of(screen, pane)
 
 
-@pytest.mark.parametrize(("width", "height"), [(1280, 720), (1501, 903)])
+@pytest.mark.parametrize(
+    ("width", "height"), [pytest.param(1280, 720, marks=pytest.mark.slow), (1501, 903)]
+)
 def test_marks_stand_where_their_values_are(screen, mole, width, height):
     """Within half a pixel, also in panes whose frames are no whole number of pixels wide."""
     screen.page.set_viewport_size({"width": width, "height": height})
@@ -309,6 +312,7 @@ def test_a_click_in_the_diagram_runs_there(screen, wall):
     assert screen.painted("diagram") == 4  # its four pieces, and none since
 
 
+@pytest.mark.slow
 def test_a_box_is_computed_finer_and_back_leads_back(screen, wall):
     screen.open(wall)
     first = screen.link

@@ -208,7 +208,7 @@ def test_ranges_of_sliders_come_when_a_slider_rests():
 def test_the_shares_of_a_plane_are_of_all_its_starts():
     from nonsmooth.explorer.descriptions import described
 
-    view = replace(opening("impact_oscillator"), cells=8, region=(-2.0, 2.0, -2.0, 2.0))
+    view = replace(opening("impact_oscillator"), cells=4, region=(-2.0, 2.0, -2.0, 2.0))
     *_, piece = TASKS["plane"](view)
     told = described("plane", view, piece)
     shares = [float(text.rpartition(": ")[2].removesuffix(" %")) for text, _ in told["chips"]]

@@ -8,7 +8,7 @@ import nonsmooth as ns
 from nonsmooth.explorer.limits import sliders
 from nonsmooth.models.ready_made import ready_made
 
-LONG = {"massive_ring_rotor", "snubber_rub"}  # many surfaces
+LONG = {"massive_ring_rotor", "rubbing_rotor", "snubber_rub"}  # many surfaces
 
 
 @pytest.mark.parametrize(

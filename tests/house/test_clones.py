@@ -2,10 +2,11 @@
 
 import ast
 from collections import defaultdict
+from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
 
-from house.tree import python_files, relative
+from house.tree import outline, python_files, relative
 
 MOST = 6  # lines that two places may share, without imports, docstrings and signatures
 
@@ -19,10 +20,10 @@ KNOWN = {
 }  # fmt: skip
 
 
-def left_out(tree: ast.AST) -> set[int]:
+def left_out(nodes: Iterable[ast.AST]) -> set[int]:
     """Lines of imports, docstrings and signatures: what these repeat is meant to be read again."""
     found: set[int] = set()
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Import | ast.ImportFrom) or (
             isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
         ):
@@ -35,7 +36,7 @@ def left_out(tree: ast.AST) -> set[int]:
 def code_lines(path: Path) -> list[tuple[int, str]]:
     """Number and text of the lines of code of a file, without what is left out."""
     text = path.read_text(encoding="utf-8")
-    skipped = left_out(ast.parse(text))
+    skipped = left_out(outline(path))
     lines = ((number, line.strip()) for number, line in enumerate(text.splitlines(), 1))
     return [
         (number, line)

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from house.tree import ROOT, SOURCE, python_files, relative
+from house.tree import ROOT, SOURCE, outline, python_files, relative
 
 ENGINE_MAY_IMPORT = {"numpy"}
 ENGINE_MAY_IMPORT_OF_US = ("nonsmooth.engine", "nonsmooth.errors")
@@ -14,7 +14,7 @@ ENGINE_MAY_IMPORT_OF_US = ("nonsmooth.engine", "nonsmooth.errors")
 def imported(path: Path) -> set[str]:
     """Full names of the modules that a file imports; relative ones are of its own package."""
     names = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in outline(path):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):

@@ -8,7 +8,7 @@ import ast
 from collections import defaultdict
 from pathlib import Path
 
-from house.tree import module_name, python_files, relative
+from house.tree import module_name, outline, python_files, relative
 
 SHORT = 60  # lines; a file with fewer is read with the only one that uses it
 
@@ -24,7 +24,7 @@ CLASS_NAMES = {
 def imports_of(path: Path, modules: set[str]) -> set[str]:
     """Modules of the package that a file imports, wherever the import stands in it."""
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in outline(path):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
@@ -52,7 +52,7 @@ def class_files() -> dict[str, list[str]]:
     """Files in which a class of each name is written."""
     found = defaultdict(list)
     for path in python_files():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in outline(path):
             if isinstance(node, ast.ClassDef):
                 found[node.name].append(relative(path))
     return found

@@ -6,7 +6,7 @@ The limits are those that the most readable libraries of the field keep; docstri
 import ast
 from pathlib import Path
 
-from house.tree import python_files, relative
+from house.tree import outline, python_files, relative
 
 P90_FILE, LONGEST_FILE = 450, 700
 P95_FUNCTION, LONG_FUNCTION, SHARE_OF_LONG_FUNCTIONS = 45, 60, 0.03
@@ -36,8 +36,7 @@ def function_sizes() -> dict[str, int]:
 
 def functions(path: Path) -> list[ast.FunctionDef | ast.AsyncFunctionDef]:
     """Every function and method of a file."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    return [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
+    return [n for n in outline(path) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
 
 
 def length(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:

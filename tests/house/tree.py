@@ -1,7 +1,9 @@
 """The files of this repository, found without git so that an unpacked archive can be tested."""
 
+import ast
 import os
 from fnmatch import fnmatch
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -19,6 +21,28 @@ def module_name(path: Path) -> str:
     parts = path.relative_to(ROOT).with_suffix("").parts
     parts = parts[parts.index("src") + 1 :]
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@cache
+def outline(path: Path) -> tuple[ast.AST, ...]:
+    """Imports, classes, functions and bare constants of a file, each of them wherever it stands.
+
+    To parse all files takes seconds, so each is parsed once for all tests of a process. Of the body
+    of a class or function only the first statement is kept, which may be the docstring: whole trees
+    of all files would fill 200 MB.
+    """
+    bodies = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    found = [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, (ast.Import, ast.ImportFrom, *bodies))
+        or (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
+    ]
+    for node in found:
+        if isinstance(node, bodies):
+            del node.body[1:]
+    return tuple(found)
 
 
 def text_files() -> list[Path]:

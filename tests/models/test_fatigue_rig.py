@@ -60,7 +60,7 @@ def compare(run, true, renamed):
 @pytest.mark.parametrize(
     ("changes", "periods"),
     [
-        pytest.param({}, 2, id="Fig. 24"),
+        pytest.param({}, 2, id="Fig. 24", marks=pytest.mark.slow),
         pytest.param({}, 5, id="Fig. 24, longer", marks=pytest.mark.slow),
         pytest.param(FIGURE_25, 5, id="Fig. 25"),
     ],
@@ -77,7 +77,7 @@ def test_periods_from_rest_against_fifty_digits(changes, periods):
     assert len(true.events) >= 2 * periods
 
 
-@pytest.mark.parametrize("ratio", [0.6, 0.2])
+@pytest.mark.parametrize("ratio", [0.6, pytest.param(0.2, marks=pytest.mark.slow)])
 def test_a_crack_against_fifty_digits(ratio):
     system = fatigue_rig(**FIGURE_25 | {"f1": 4.5, "open_stiffness": ratio})
     p = system.parameter_values

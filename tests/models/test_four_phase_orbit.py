@@ -61,7 +61,7 @@ def test_both_orbits_below_the_fold():
 def test_closed_constructions_that_are_no_motions_are_labelled():
     """The force passes the limit inside phase IV: the motion progresses there instead."""
     system = moling(b=0.17)
-    found = four_phase_orbit(system)
+    found = four_phase_orbit(system, guess=(1.0, 2.85))
     assert found.attrs["status"] == "completed"
     closed = found.isel(minimum=found["closes"].values)
     assert closed.sizes["minimum"] >= 1 and not closed["admissible"].any()
@@ -70,6 +70,7 @@ def test_closed_constructions_that_are_no_motions_are_labelled():
     assert tuple(ns.phase_word(run, 0.0, 62.8)) != WORD
 
 
+@pytest.mark.slow
 def test_no_orbit():
     """Near resonance and above, the mole only vibrates in contact."""
     found = four_phase_orbit(moling(a=0.5, b=0.15, xi=0.01, omega=1.0))

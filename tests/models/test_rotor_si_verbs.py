@@ -281,7 +281,7 @@ NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motio
 }  # fmt: skip
 
 
-SLOW = {"continue_special", "simulate slowly"}
+SLOW = {"continue_special", "homoclinic_tangency", "manifold", "simulate slowly"}
 
 
 def preloads():

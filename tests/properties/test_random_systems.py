@@ -11,7 +11,7 @@ from properties.cases import HARD
 from properties.distribution import chattering, complaints, lasting, printed, share
 from properties.watched import verdicts
 
-FEW, ALL = range(150), range(10_000)
+FEW, ALL = range(60), range(10_000)
 # Seeds that show faults that are known
 AWAITED: dict[int, str] = {}
 

@@ -83,7 +83,10 @@ def test_linear_automata_agree(name):
     assert run.modes[-1] == other.mode
 
 
-@pytest.mark.parametrize("name", ["rotor", "pendulum", "ramp", "curved mole"])
+ROTOR = pytest.param("rotor", marks=pytest.mark.slow)  # whose series have the most terms
+
+
+@pytest.mark.parametrize("name", [ROTOR, "pendulum", "ramp", "curved mole"])
 def test_first_stretches_by_another_integrator(name):
     """mpmath's own integrator from the start, and from the first event, to 20 digits."""
     case = CASES[name]
@@ -119,7 +122,7 @@ def _odefun(case, mode, p, t0, start):
     return mp.odefun(lambda t, z: rates(t, z, p), mpf(t0), [mpf(x) for x in start])
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [ROTOR, *(name for name in CASES if name != "rotor")])
 def test_order_and_tolerance_do_not_matter(name):
     case = CASES[name]
     words = (case.model, case.parameters, case.start, case.mode, case.times[:4])

@@ -423,8 +423,9 @@ def test_labels_have_units():
         bearings=Bearing(["1x", "1rx"], [[3.0, 1.0], [1.0, 2.0]], 0.1 * np.ones((2, 2))),
     )
     labels = dict(machine(held, contacts, loads, Omega=2.0).describe)
-    rings = [RubRing("1x", "1y", 0.1, 5.0, 0.1, 0.2), SnubberRing("1x", "1y", 0.1, 5.0, 0.1)]
-    labels |= dict(machine(held, rings, Omega=2.0).describe)
+    # one by one: two rings at once have cells for all pairs of their modes
+    for ring in (RubRing("1x", "1y", 0.1, 5.0, 0.1, 0.2), SnubberRing("1x", "1y", 0.1, 5.0, 0.1)):
+        labels |= dict(machine(held, [ring], Omega=2.0).describe)
     bare = {name for name, label in labels.items() if "[" not in label}
     assert bare == {"stop1_restitution", "friction1_static", "rub1_friction_coefficient"}
     for name, unit in {

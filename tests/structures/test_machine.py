@@ -80,7 +80,7 @@ def assert_same_events(system, bench, count, names):
         assert abs(float(middle[name][-1]) - solved.y[i, -1]) < NEAR
 
 
-@pytest.mark.parametrize("n", [4, 12, 40])
+@pytest.mark.parametrize("n", [4, 12, pytest.param(40, marks=pytest.mark.slow)])
 def test_two_springs(n):
     structure, names = chain_structure(n)
     unit = np.eye(n)
@@ -94,7 +94,7 @@ def test_two_springs(n):
     assert_same_events(system, truth_of(n, springs), 20, states)
 
 
-@pytest.mark.parametrize("n", [4, 12, 40])
+@pytest.mark.parametrize("n", [4, 12, pytest.param(40, marks=pytest.mark.slow)])
 def test_a_spring_between_two_coordinates_and_a_stop(n):
     structure, names = chain_structure(n)
     unit = np.eye(n)

@@ -187,7 +187,7 @@ ROUGH = 5.0 + np.random.default_rng(3).random((300, 2, 2))
 def test_texts_of_coefficients_are_the_coefficients(bearing):
     pieces = coefficient_pieces(bearing, (0.0, 7.0))
     k = len(bearing.coordinates)
-    speeds = np.linspace(0.0, 7.0, 41)
+    speeds = np.linspace(0.0, 7.0, 15)
     truth = np.array([bearing.at_speed(speed) for speed in speeds.tolist()])
     size = np.abs(truth).max(axis=0)
     for which, i, j in np.ndindex(2, k, k):
@@ -208,20 +208,20 @@ def test_a_machine_with_long_tables_has_their_response():
     along = 8e6 + 2.9e4 * speeds + 5e5 * np.sin(speeds / 20)
     tables = {"stiffness": along, "damping": 1.2e4 / (1 + speeds / 350), "speeds": speeds}
     rotor = shaft(
-        [Beam(0.1, 0.05)] * 8,
-        bearings=[Bearing([f"{node}x", f"{node}y"], **tables) for node in (0, 8)],
+        [Beam(0.2, 0.05)] * 4,
+        bearings=[Bearing([f"{node}x", f"{node}y"], **tables) for node in (0, 4)],
     )
-    small = reduce(rotor, ["4x", "4y"], modes=rotor.size)
-    system = machine(small, [], [Unbalance("4x", "4y", 1e-3)], Omega=150.0)
-    for speed in (33.3, 151.7, 640.1):
+    small = reduce(rotor, ["2x", "2y"], modes=rotor.size)
+    system = machine(small, [], [Unbalance("2x", "2y", 1e-3)], Omega=150.0)
+    for speed in (33.3, 640.1):
         mass, damping, stiffness = rotor.at_speed(speed)
         force = np.zeros(rotor.size, complex)
-        force[[rotor.index("4x"), rotor.index("4y")]] = 1e-3 * speed**2 * np.array([1, -1j])
+        force[[rotor.index("2x"), rotor.index("2y")]] = 1e-3 * speed**2 * np.array([1, -1j])
         answer = np.linalg.solve(stiffness + 1j * speed * damping - speed**2 * mass, force)
         found = ns.find_orbit(system.with_parameters(Omega=speed))
         run = ns.simulate(system.with_parameters(Omega=speed), found, periods=1)
-        wanted = answer[rotor.index("4x")]
-        assert abs(float(run["x4"][0]) - wanted.real) < 1e-8 * abs(wanted)
+        wanted = answer[rotor.index("2x")]
+        assert abs(float(run["x2"][0]) - wanted.real) < 1e-8 * abs(wanted)
 
 
 def test_coefficients_that_jump_are_refused():

@@ -108,7 +108,7 @@ def four_phase_orbit(
     Examples
     --------
     >>> import nonsmooth as ns
-    >>> found = ns.models.four_phase_orbit(ns.models.moling(b=0.15))
+    >>> found = ns.models.four_phase_orbit(ns.models.moling(b=0.15), guess=(7.2, 1.2))
     >>> round(float(found["v_per_period"][0]), 6)
     31.34534
     >>> [round(float(each), 3) for each in found["durations"][0]]

@@ -150,10 +150,10 @@ def test_clean_ends_are_no_spikes():
     """Records of 40 samples, that have hardly anything but ends; allowed are 0.2 in 1000."""
     rng, t = np.random.default_rng(9), np.arange(40) / RATE
     found = 0
-    for phase in rng.uniform(0, 2 * np.pi, 500):
+    for phase in rng.uniform(0, 2 * np.pi, 125):
         x = np.cos(2 * np.pi * SPEED * t + phase) + rng.normal(0, NOISE, t.size)
         found += kinds(check(x)).count("spike")
-    assert found <= 2
+    assert found <= 1
 
 
 def test_an_amplitude_that_spikes_change():

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import nonsmooth as ns
@@ -173,6 +173,7 @@ def test_models_keep_their_symmetry_for_all_parameters(make):
     assert [turned[k] for k in turned] == list(range(len(turned)))
 
 
+@settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1))
 def test_any_odd_field_is_symmetric_and_no_other(seed):
     """Polynomials with odd terms alone, in coordinates that are mixed at random."""

@@ -84,7 +84,7 @@ def fig36(
 
     Examples
     --------
-    >>> figure, data = fig36(columns=4, transient=50, record=20, longest=1)
+    >>> figure, data = fig36(columns=2, transient=20, record=10, longest=1)
     >>> data["x"].dims, len(figure.axes)
     (('delta', 'start', 'column', 'point'), 4)
     """
