@@ -336,3 +336,26 @@ def test_a_tuple_of_two_values_is_taken_for_a_range_and_refused(verb):
     more = {"variable": "x"} if verb is ns.waterfall else {}
     with pytest.raises(ns.OptionError, match=r"such as np.linspace\(0.7, 0.9, 400\)"):
         verb(ns.models.soft_impact(), parameter="omega", values=(0.7, 0.9), **more)
+
+
+def test_a_state_that_is_zero_at_the_strobes_has_no_period_of_its_rounding():
+    """A ball that rides on A sin(t) at the strobes: its height is zero there, up to 1e-16."""
+    ball = System(
+        states=["y", "v"],
+        period="2*pi",
+        parameters={"A": 1.2, "r": 0.3},
+        initial={"y": 1.0},
+        definitions={"s": "A*sin(t)", "u": "A*cos(t)"},
+        modes={
+            "flight": Mode(
+                {"y": "v", "v": "-1"},
+                exits=[
+                    Exit("y - s", reset={"v": "-r*v + (1 + r)*u"}, sticks="rides", name="impact")
+                ],
+            )
+        },
+    )
+    amplitudes = [1.17966, 1.25, 1.30932]
+    found = ns.bifurcation_diagram(ball, "A", amplitudes, transient=100, record=60)
+    assert found["period"].values.ravel().tolist() == [1, 1, 1]
+    assert np.abs(found["y"].values).max() < 1e-13

@@ -292,3 +292,30 @@ def test_a_run_that_ends_early_tells_when():
     )
     with pytest.warns(ns.RunWarning, match=r"event_limit at t = 4\.2426406"):
         ns.lyapunov_spectrum(ball, {"h": 1.0})
+
+
+@pytest.mark.parametrize("record", [1000, 1500, 2000])
+def test_standard_errors_count_the_cycle_that_the_record_cuts_off(record):
+    """A neuron that bursts: blocks of 31 intervals hold nearly one cycle of 31.2 each.
+
+    One exponent of a cycle is zero, the other one follows from its multiplier.
+    """
+    neuron = ns.System(
+        states=["v", "u"],
+        parameters={"I": 10.0},
+        initial={"v": -55.0, "u": -5.0},
+        modes={
+            "rest": ns.Mode(
+                {"v": "0.04*v**2 + 5*v + 140 - u + I", "u": "0.02*(0.2*v - u)"},
+                exits=[ns.Exit("30 - v", reset={"v": "-55", "u": "u + 4"}, name="spike")],
+            )
+        },
+    )
+    cycle = ns.find_orbit(neuron, transient=300)
+    moduli = np.abs(cycle["multipliers"].values)
+    slower = math.log(np.sort(moduli)[0] if moduli.max() > 0.9 else moduli.max())
+    truth = np.array([0.0, slower / float(cycle["length"])])
+    found = ns.lyapunov_spectrum(neuron, transient=500, record=record)
+    errors = found["standard_error"].values
+    assert np.all(np.abs(found["lyapunov_exponent"].values - truth) < 4.0 * errors)
+    assert np.all(errors < 1e-2)

@@ -363,6 +363,28 @@ def test_faults_in_an_executor_come_out(tmp_path, monkeypatch):
 # ---------------------------------------------------------------- claims
 
 
+@pytest.mark.parametrize("name", ["zarr.json", "regime/zarr.json", "omega/zarr.json"])
+@pytest.mark.parametrize("damage", ["missing", "empty", "zeros"])
+def test_damaged_descriptions_are_told_by_name(tmp_path, name, damage):
+    store = plan(tmp_path)
+    path = store / name
+    path.unlink() if damage == "missing" else path.write_bytes(b"\0" * 9 * (damage == "zeros"))
+    with pytest.raises(OptionError, match=f"{name} in it is damaged or missing"):
+        ns.cluster.open_map(store)
+
+
+def test_stores_of_calls_and_files_in_the_path_are_told(tmp_path):
+    ns.bifurcation_diagram(
+        ns.models.soft_impact(), "omega", [0.7, 0.8], transient=5, record=5, store=tmp_path / "s"
+    )
+    for verb in (ns.cluster.work, ns.cluster.open_map, ns.cluster.forecast):
+        with pytest.raises(OptionError, match="that of a call with store=, and no map in tiles"):
+            verb(tmp_path / "s")
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(OptionError, match="lies in a file"):
+        ns.cluster.progress(tmp_path / "file" / "map")
+
+
 class Given(Exception):
     """What a cluster raises for a task whose workers died."""
 

@@ -87,11 +87,13 @@ def test_what_distribute_refuses(tmp_path):
             )
         with pytest.raises(OptionError, match="calls = 0"):
             ns.cluster.distribute(*call, store=tmp_path / "s", executor=pool, calls=0)
-    with pytest.raises(RuntimeError, match="shutdown"):
+    with pytest.raises(RunError, match="ended before the work did"):
         ns.cluster.distribute(*call, store=tmp_path / "s", executor=pool)
+    with pytest.raises(OptionError, match=r"simulate has no store=; call it through run_calls"):
+        ns.cluster.distribute(ns.simulate, SYSTEM, store=tmp_path / "s", executor=pool)
 
 
-def die(**_):
+def die(store):
     """End the process as the killer of a machine without memory does."""
     os.kill(os.getpid(), 9)
 
@@ -174,12 +176,14 @@ def test_an_interruption_keeps_what_is_done(tmp_path):
 
 
 def test_what_calls_are_refused(tmp_path):
+    one = {"system": SYSTEM}
     for calls, options, message in (
         ([], {}, "give a list of mappings"),
         ("abc", {}, "give a list of mappings"),
-        ([{"omega": 1.0}, 3], {}, r"calls\[1\] = 3 is no mapping"),
+        ([{"omega": 1.0}, 3], one, r"calls\[1\] = 3 is no mapping"),
         ([{"omega": 1.0}], {"omega": 2.0}, "'omega' is given for all calls too"),
-        ([{"omega": threading.Lock()}], {}, "cannot be told from other values"),
+        ([{"omega": threading.Lock()}], one, "cannot be told from other values"),
+        ([{"omega": 1.0}, {}], one, r"calls\[1\]: missing .*'omega'"),
     ):
         with pytest.raises(OptionError, match=message):
             ns.cluster.run_calls(exponents, calls, store=tmp_path / "s", **options)

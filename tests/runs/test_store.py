@@ -275,3 +275,49 @@ def test_stored_tasks_run_once(tmp_path):
     assert work(50, again, second)
     assert again == {i: i * i for i in range(50)}
     assert sorted(second) == [i for i in range(50) if i not in found]
+
+
+def test_who_shares_a_store_does_not_wait_for_others_that_read_it(tmp_path, monkeypatch):
+    """What is there may be large; the lock is for the protocol alone."""
+    with Store.open(tmp_path / "s", {}, 2, shared=True) as store:
+        store.put(0, ARRAYS)
+    original, inside = Store._find, []
+
+    def find(self, n_tasks):
+        monkeypatch.setattr(Store, "_find", original)
+        inside.append(Store.open(tmp_path / "s", {}, 2, shared=True))
+        original(self, n_tasks)
+
+    monkeypatch.setattr(Store, "_find", find)
+    assert Store.open(tmp_path / "s", {}, 2, shared=True).done == inside[0].done == {0}
+
+
+def test_a_finished_store_is_read_where_nothing_may_be_written(tmp_path, monkeypatch):
+    with Store.open(tmp_path / "s", {}, 2, shared=True) as store:
+        store.put(0, ARRAYS)
+        store.put(1, ARRAYS)
+
+    def refuse(*_):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    monkeypatch.setattr("nonsmooth.runs.store.lock", refuse)
+    found = Store.open(tmp_path / "s", {}, 2, shared=True)
+    assert found.read_only and found.done == {0, 1} and same(ARRAYS, found.get(1))
+    (tmp_path / "s" / "000001.npz").unlink()
+    with pytest.raises(OptionError, match="in which files may be made"):
+        Store.open(tmp_path / "s", {}, 2, shared=True)
+    with pytest.raises(OptionError, match="in which files may be made"):
+        Store.open(tmp_path / "new", {}, 2, shared=True)
+
+
+def test_strange_entries_are_told(tmp_path):
+    with Store.open(tmp_path / "s", {}, 2, shared=True):
+        pass
+    (tmp_path / "s" / "000000.npz").mkdir()
+    with pytest.warns(ResultWarning, match=r"damaged files.*000000\.npz"):
+        Store.open(tmp_path / "s", {}, 2, shared=True)
+    (tmp_path / "s" / "000000.npz").rmdir()
+    (tmp_path / "s" / "claims").rmdir()
+    (tmp_path / "s" / "claims").write_text("mine")
+    with pytest.raises(RunError, match="File exists"):
+        Store.open(tmp_path / "s", {}, 2, shared=True)

@@ -295,7 +295,8 @@ _ARGUMENTS = {
     " a fit takes .nc too.",
     "shaft": "File .npz or .mat with the matrices of a shaft and the names of its coordinates, or"
     " a folder with a file for each matrix.",
-    "store": "Folder of a map, which nonsmooth plan --store map.zarr makes.",
+    "store": "Folder of a map, which nonsmooth plan --store map.zarr makes; for progress also that"
+    " of another command.",
     "file": "File of basins, which nonsmooth basins --save basins.nc writes.",
 }
 

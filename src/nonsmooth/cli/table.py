@@ -287,7 +287,7 @@ TABLE = {
         example="nonsmooth work map.zarr --max-seconds 3500",
     ),
     "progress": Entry(
-        "Tell how far a planned map is.",
+        "Tell how far a planned map is, or the work of a command with --store.",
         "cluster.progress",
         arguments="STORE",
         example="nonsmooth progress map.zarr",

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, wait
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.cluster.executors import executor_of, is_lost, lost_workers
+from nonsmooth.cluster.executors import executor_of, is_lost, lost_workers, submit
 from nonsmooth.cluster.task_progress import is_folder_of_tasks, task_progress
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import check_threads
@@ -98,6 +98,11 @@ def distribute(
     >>> diagram["period"].values.ravel().tolist()
     [1, 1, 1, 0, 5]
     """
+    if "store" not in _parameters(function):
+        raise OptionError(
+            f"distribute: {getattr(function, '__name__', function)!s:.60} has no store=; call it"
+            " through run_calls, which has"
+        )
     if options.get("store") is None:
         raise OptionError(
             "distribute: store= is missing; give the path of a folder that all workers reach"
@@ -109,7 +114,7 @@ def distribute(
             " processes as you like"
         )
     count = _calls(calls, client)
-    shared = {"threads": 1, **options} if _takes_threads(function) else options
+    shared = {"threads": 1, **options} if "threads" in _parameters(function) else options
     _until_done(place, (function, arguments, shared), count, Path(options["store"]))
     return function(*arguments, **options)
 
@@ -120,10 +125,16 @@ def _calls(calls: int | None, client: Any) -> int:
     return check_threads(None) if calls is None else whole_number("calls", calls)
 
 
-def _takes_threads(function: Callable[..., Any]) -> bool:
+def _parameters(function: Any) -> Collection[str]:
+    """Names of the parameters of a function."""
     import inspect
 
-    return "threads" in inspect.signature(function).parameters
+    try:
+        return inspect.signature(function).parameters
+    except (TypeError, ValueError):
+        raise OptionError(
+            f"function = {function!r:.60}: give a function of nonsmooth that has store="
+        ) from None
 
 
 Call = tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]
@@ -139,7 +150,7 @@ def _take_part(call: Call) -> None:
 
 def _until_done(place: Executor, call: Call, count: int, store: Path) -> None:
     """Wait until the calls have come to their end, which is when all tasks are done."""
-    asked = {place.submit(_take_part, call) for _ in range(count)}
+    asked = {submit(place, _take_part, call) for _ in range(count)}
     done, complete = _done(store)[0], False
     lost: BaseException = CancelledError()
     try:
@@ -158,7 +169,7 @@ def _until_done(place: Executor, call: Call, count: int, store: Path) -> None:
                     lost = fault
                     if now > done and not complete:  # another attempt is worth it
                         done = now
-                        asked.add(place.submit(_take_part, call))
+                        asked.add(submit(place, _take_part, call))
     except (BrokenExecutor, CancelledError) as fault:
         raise lost_workers(fault) from fault
     finally:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Executor
-from typing import Any
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from typing import Any, TypeVar
 
 from nonsmooth.errors import OptionError, RunError
 
-__all__ = ["executor_of", "is_lost", "lost_workers"]
+__all__ = ["executor_of", "is_lost", "lost_workers", "submit"]
+
+T = TypeVar("T")
 
 
 def executor_of(executor: Any, client: Any) -> Executor | None:
@@ -22,6 +25,14 @@ def executor_of(executor: Any, client: Any) -> Executor | None:
     if executor is not None and not isinstance(executor, Executor):
         raise OptionError(f"executor = {executor!r:.60}: give an Executor of concurrent.futures")
     return executor
+
+
+def submit(place: Executor, call: Callable[..., T], *arguments: Any) -> Future[T]:
+    """Ask an executor for a call; `RunError` where it takes none any more."""
+    try:
+        return place.submit(call, *arguments)
+    except RuntimeError as fault:  # it was shut down, or its workers are lost
+        raise lost_workers(fault) from fault
 
 
 def is_lost(fault: BaseException) -> bool:

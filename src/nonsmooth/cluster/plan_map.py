@@ -54,8 +54,8 @@ def plan_map(
     """Plan a map of regimes over two parameters that many processes compute together.
 
     Nothing is computed yet: `work` does that, here or on any machine that reaches the folder, and
-    `open_map` reads what is there. The map has the points, the variables and the digits of
-    `nonsmooth.regime_map`, and there is no limit to its size.
+    `open_map` reads what is there. The map has the variables of `nonsmooth.regime_map`, and the
+    same digits where a point is computed; there is no limit to its size.
 
     Parameters
     ----------
@@ -125,7 +125,9 @@ def plan_map(
     (``start`` of `nonsmooth.regime_map`): every point is computed from its own start. With
     ``refine`` each tile halves its own cells. Where a label is found between two corners on the
     edge of a tile, the cell beyond that edge is not halved for it, as `nonsmooth.regime_map` would
-    do. So a map may have some filled points more there; `computed` tells which these are.
+    do. So near edges of tiles some points are filled that `nonsmooth.regime_map` computes, and
+    their labels may be others; `computed` tells which points are filled. With ``refine=0`` all
+    points are the same.
 
     Examples
     --------

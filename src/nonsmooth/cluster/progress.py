@@ -13,7 +13,7 @@ from nonsmooth.cluster.task_progress import (
     message_of,
     task_progress,
 )
-from nonsmooth.cluster.tile_store import TileStore
+from nonsmooth.cluster.tile_store import TileStore, told_of_damage
 from nonsmooth.runs.claims import CLAIMS, is_recent
 from nonsmooth.version import __version__
 
@@ -170,14 +170,17 @@ def open_map(store: str | Path) -> xr.Dataset:
 
     opened = TileStore.open(store)
     done = len(opened.done())
-    data = xr.open_dataset(
-        opened.folder,
-        engine="zarr",
-        consolidated=False,
-        chunks=None,
-        mask_and_scale=False,
-        decode_times=False,
-    )
+    for name in (*opened.plan["names"], *opened.plan["variables"]):
+        opened.check(name)
+    with told_of_damage(opened.folder, "zarr.json"):
+        data = xr.open_dataset(
+            opened.folder,
+            engine="zarr",
+            consolidated=False,
+            chunks=None,
+            mask_and_scale=False,
+            decode_times=False,
+        )
     ordered = data[opened.plan["variables"]]
     for name in ordered.data_vars:
         flags = ordered[name].attrs.get("flag_values")

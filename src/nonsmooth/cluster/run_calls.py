@@ -111,7 +111,7 @@ def run_calls(
     """
     if not callable(function):
         raise OptionError(f"function = {function!r:.60}: give a function, such as nonsmooth.fit")
-    asked = _checked(calls, options)
+    asked = _checked(function, calls, options)
     again = check_flag("retry", retry)
     protocol = {
         "function": f"{function.__module__}.{getattr(function, '__qualname__', function)}",
@@ -181,7 +181,12 @@ def _result(
     return pack_dataset(found)
 
 
-def _checked(calls: Any, options: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def _checked(
+    function: Callable[..., Any], calls: Any, options: Mapping[str, Any]
+) -> list[Mapping[str, Any]]:
+    """Calls that the function can be asked for."""
+    import inspect
+
     if not isinstance(calls, Sequence) or isinstance(calls, str) or not calls:
         raise OptionError(
             f"calls = {calls!r:.60}: give a list of mappings of arguments, such as"
@@ -193,6 +198,12 @@ def _checked(calls: Any, options: Mapping[str, Any]) -> list[Mapping[str, Any]]:
         for name in call:
             if name in options:
                 raise OptionError(f"calls[{i}]: {name!r} is given for all calls too; give it once")
+        try:
+            inspect.signature(function).bind(**options, **call)
+        except TypeError as fault:
+            raise OptionError(f"calls[{i}]: {fault} of the function; see its arguments") from None
+        except ValueError:  # it does not tell its arguments
+            pass
     return list(calls)
 
 

@@ -19,7 +19,7 @@ import os
 import secrets
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -29,13 +29,13 @@ from nonsmooth.errors import OptionError
 from nonsmooth.files import replacing
 from nonsmooth.runs.claims import make_claim_folders
 from nonsmooth.runs.protocols import differences
-from nonsmooth.runs.store import trouble
+from nonsmooth.runs.store import tasks_of, trouble
 from nonsmooth.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Tile", "TileStore", "make_store", "need_zarr"]
+__all__ = ["Tile", "TileStore", "make_store", "need_zarr", "told_of_damage"]
 
 FORMAT = 2  # of the store
 _FAILURES = "tiles/failures"
@@ -83,6 +83,11 @@ class TileStore:
         need_zarr()
         folder = _folder(path)
         plan = _read_plan(folder)
+        if plan is None and tasks_of(folder) is not None:
+            raise OptionError(
+                f"store = {str(folder)!r} is that of a call with store=, and no map in tiles;"
+                " repeat the call to go on with it, or to read its result"
+            )
         if plan is None:
             there = "no store" if folder.exists() else "there is nothing"
             raise OptionError(
@@ -127,6 +132,10 @@ class TileStore:
         """Values of both parameters."""
         first, second = (np.asarray(self._array(name)[:]) for name in self.plan["names"])
         return first, second
+
+    def check(self, name: str) -> None:
+        """Refuse a store in which an array is not described."""
+        self._array(name)
 
     def is_done(self, tile: Tile) -> bool:
         """Whether a tile is done; the file is opened, as network file systems keep old listings."""
@@ -232,13 +241,27 @@ class TileStore:
         import zarr
 
         if name not in self._arrays:
-            array = zarr.open_array(self.folder / name, mode="r+", zarr_format=3)
+            with told_of_damage(self.folder, f"{name}/{_METADATA}"):
+                array = zarr.open_array(self.folder / name, mode="r+", zarr_format=3)
             self._arrays[name] = array.with_config({"write_empty_chunks": True})
         return self._arrays[name]
 
     @property
     def _variables(self) -> list[str]:
         return list(self.plan["variables"])
+
+
+@contextmanager
+def told_of_damage(folder: Path, name: str) -> Iterator[None]:
+    """Say what to do where the description of a map or of a variable cannot be read."""
+    try:
+        yield
+    except (ValueError, KeyError, TypeError, FileNotFoundError) as fault:
+        raise OptionError(
+            f"store = {str(folder)!r}: {name} in it is damaged or missing"
+            f" ({type(fault).__name__}); plan the same map in a new folder, and copy this file from"
+            " there: what is done is then read again"
+        ) from fault
 
 
 def need_zarr() -> None:
@@ -362,6 +385,8 @@ def _folder(path: Any) -> Path:
     if not isinstance(path, str | os.PathLike) or not str(path):
         raise OptionError(f"store = {path!r:.60}: give the path of a folder")
     folder = Path(path)
+    if folder.parent.exists() and not folder.parent.is_dir():
+        raise OptionError(f"store = {str(path)!r} lies in a file; give the path of a folder")
     if not folder.parent.is_dir():
         raise OptionError(
             f"store = {str(path)!r}: the folder {str(folder.parent)!r} does not exist; make it"

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.cluster.executors import executor_of, is_lost, lost_workers
+from nonsmooth.cluster.executors import executor_of, is_lost, lost_workers, submit
 from nonsmooth.cluster.plan_map import planned_question
 from nonsmooth.cluster.progress import progress_of
 from nonsmooth.cluster.tile_map import tile_map
@@ -221,7 +221,7 @@ def _in_executor(
             keep(numbers[0], LATE)
             return True
         asked = {
-            executor.submit(_complete, path, identity, number, patience): number
+            submit(executor, _complete, path, identity, number, patience): number
             for number in numbers
         }
         left = None if deadline == np.inf else deadline - time.monotonic()

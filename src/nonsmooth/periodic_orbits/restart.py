@@ -45,7 +45,10 @@ def guess_of_dataset(system: System, data: Any) -> Guess:
     keep = modes >= 0
     states = data["leg_states"].values[keep]
     if not keep.any() or not np.all(np.isfinite(states)):
-        raise OptionError("initial: there is no orbit in this dataset; see its message")
+        raise OptionError(
+            f"initial: there is no orbit in this dataset, whose message is:"
+            f" {data.attrs.get('message', '')}"
+        )
     paths = [_path(int(bits)) for bits in data["leg_path"].values[keep]]
     times = data["leg_time"].values[keep]
     end = times[-1] + data["durations"].values[keep][-1]

@@ -63,7 +63,7 @@ class LastOrbits:
         else:
             assert ended is not None
             return ended
-        return Followed("unbounded", f"{told}, and {name} hardly moves any more")
+        return Followed("unbounded", f"{told}, from where {name} moves less and less")
 
     def _grows_for_ever(self, column: int, factor: float) -> bool:
         """Whether a column goes up over the last points while the parameter comes to a limit."""

@@ -36,7 +36,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.files import replacing
-from nonsmooth.runs.claims import clear_claims, make_claim_folders
+from nonsmooth.runs.claims import PATIENCE, clear_claims, make_claim_folders
 from nonsmooth.runs.locks import lock, unlock
 from nonsmooth.runs.memory import size_text
 from nonsmooth.runs.protocols import differences, plain
@@ -63,8 +63,8 @@ _PROTOCOL, _LOCK = "protocol.json", "lock"
 _CHUNK = re.compile(r"(\d{6,})\.npz")
 _DRAFT = re.compile(r"\.(\d{6,}|protocol|result)\.\d+\.(npz|json|nc)")  # see `replacing`
 _STALE = 600.0  # seconds after which a draft in a shared store is none of a living process
-_AGREED = 10.0  # seconds within which others have agreed on the protocol of a shared store
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_MAY_NOT = (errno.EACCES, errno.EPERM, errno.EROFS)
 _MOST_NAMED = 5  # damaged files in a message
 _CANNOT = (errno.EINVAL, errno.ENOSYS, errno.EOPNOTSUPP)  # file systems that do not reserve
 
@@ -89,14 +89,19 @@ def write_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
 
 def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
     """Arrays of a file by name; `Damaged` where a single bit of it has changed."""
+    with np.load(io.BytesIO(_whole_content(path)), allow_pickle=False) as archive:
+        return dict(archive.items())
+
+
+def _whole_content(path: Path) -> memoryview:
+    """Content of a file of arrays; `Damaged` where its checksum is wrong."""
     try:
         content = memoryview(path.read_bytes())
     except OSError as fault:
         raise Damaged(fault.strerror) from None
     if len(content) < _DIGITS or content[-_DIGITS:] != _checksum(content[:-_DIGITS]):
         raise Damaged("its checksum is wrong")
-    with np.load(io.BytesIO(content), allow_pickle=False) as archive:
-        return dict(archive.items())
+    return content
 
 
 def _checksum(content: memoryview) -> bytes:
@@ -106,9 +111,10 @@ def _checksum(content: memoryview) -> bytes:
 class Store:
     """Arrays of each task of a computation, in a folder; see `Store.open`."""
 
-    def __init__(self, folder: Path, handle: int) -> None:
+    def __init__(self, folder: Path, handle: int | None) -> None:
         self.folder = folder
         self.done: set[int] = set()
+        self.read_only = False
         self._handle: int | None = handle
 
     @classmethod
@@ -135,21 +141,37 @@ class Store:
             "protocol": plain(protocol),
         }
         try:
-            store = cls(folder, lock(folder / _LOCK, _AGREED if shared else None))
+            store = cls(folder, lock(folder / _LOCK, PATIENCE if shared else None))
         except OSError as fault:
+            if shared and fault.errno in _MAY_NOT and (folder / _PROTOCOL).exists():
+                return cls._read_only(folder, whole, fault)
             raise trouble(folder, _LOCK, fault) from fault
         try:
             store._agree(whole)
+            if shared:
+                store.close()  # to read what is there may take longer than others wait
             store._clear_drafts(_STALE if shared else 0.0)
             store._find(n_tasks)
             if shared:
                 make_claim_folders(folder)
                 clear_claims(folder, map(task_key, store.done))
+        except OSError as fault:
+            store.close()
+            raise trouble(folder, "a file in it", fault) from fault
         except BaseException:
             store.close()
             raise
-        if shared:
-            store.close()
+        return store
+
+    @classmethod
+    def _read_only(cls, folder: Path, whole: dict[str, Any], fault: OSError) -> Store:
+        """Store in which nothing can be written; of use where all its tasks are done."""
+        store = cls(folder, None)
+        store.read_only = True
+        store._agree(whole)
+        store._find(whole["tasks"])
+        if len(store.done) < whole["tasks"]:
+            raise trouble(folder, _LOCK, fault) from fault
         return store
 
     def put(self, i: int, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
@@ -249,10 +271,11 @@ class Store:
             if match is None or int(match[1]) >= n_tasks:
                 continue
             try:
-                read_arrays(path)
+                _whole_content(path)
             except Damaged as fault:
                 damaged.append(f"{path.name} ({fault})")
-                path.unlink(missing_ok=True)
+                with suppress(OSError):  # somebody else has removed it, or nobody may
+                    path.unlink()
             else:
                 self.done.add(int(match[1]))
         if damaged:
@@ -349,7 +372,7 @@ def trouble(folder: Path, name: str, fault: OSError) -> OptionError | RunError:
             f"{what}. What is done is kept: make room and repeat the same call, and it goes on",
             status="interrupted",
         )
-    if fault.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+    if fault.errno in _MAY_NOT:
         return OptionError(f"{what}; give a folder in which files may be made")
     return RunError(
         f"{what}. What is done is kept: repeat the same call, and it goes on", status="interrupted"

@@ -91,6 +91,9 @@ def run_stored_tasks(
     for i in sorted(done):
         keep(i, unpack(folder.get(i)))
 
+    if len(done) == len(tasks):
+        return True
+
     def keep_both(i: int, found: Computed | None) -> None:
         keep(i, unpack(folder.get(i)) if found is None else found.result)
 

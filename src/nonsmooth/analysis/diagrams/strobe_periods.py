@@ -10,10 +10,11 @@ import numpy.typing as npt
 from nonsmooth.analysis.exponents.interval_tangents import IntervalTangents, Strobe
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
-from nonsmooth.analysis.statistics.periodicity import REPEATS, settled_periods
+from nonsmooth.analysis.statistics.periodicity import REPEATS, scales, settled_periods
 from nonsmooth.analysis.statistics.rest import comes_to_rest, natural_sizes
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.sweep_runner import Recorded
 
@@ -30,7 +31,10 @@ def strobe_periods(
     """Period of each of K motions in strobes, (K,); 0 where none shows or a motion ended early."""
     done = recorded.statuses == Status.COMPLETED
     period = np.zeros(group.count, np.int64)
-    period[done] = settled_periods(recorded.states[done], group.drifting, match)
+    scale = scales(recorded.states, group.drifting)
+    for i in np.flatnonzero(done).tolist():
+        scale[i] = _passing_zero(group, recorded, i, scale[i], match)
+    period[done] = settled_periods(recorded.states[done], group.drifting, match, scale[done])
     period[_resting(group, recorded, passed, match, done & (period != 1))] = 1
     return period
 
@@ -79,6 +83,25 @@ def _resting(
                 states[i], ranges[i], natural, block_over(1.0), match, passes=events[i] > 0
             )
     return found
+
+
+def _passing_zero(group: Group, recorded: Recorded, i: int, scale: Floats, match: float) -> Floats:
+    """Scales of the states of a motion; of one that is zero at the strobes, what it moves by.
+
+    Such a state passes through zero there, as a base does that shakes as the sine of the phase:
+    what is recorded of it is rounding, which repeats to no part of its own size.
+    """
+    states = np.abs(recorded.states[i]).max(axis=0)
+    tiny = ~group.drifting & (states <= match**2 * states.max(initial=0.0))
+    if not np.any(tiny):
+        return scale
+    window = float(recorded.windows[i])
+    instant = Instant(int(recorded.numbers[i, -1]), float(recorded.phases[i, -1]))
+    rates = StateRates(group.system, group.runner.tables(i)).at(
+        instant, int(recorded.modes[i, -1]), recorded.states[i, -1]
+    )
+    moved = np.abs(rates) * window
+    return np.where(tiny & (states <= match**2 * moved), moved, scale)
 
 
 def _begun(group: Group, recorded: Recorded) -> Floats:

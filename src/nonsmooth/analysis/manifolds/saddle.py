@@ -66,7 +66,10 @@ def check_orbit(system: System, orbit: Any) -> None:
             " system of the map"
         )
     if not np.isfinite([float(orbit[name]) for name in system.states]).all():
-        raise OptionError("orbit: there is no orbit in this dataset; see its message")
+        raise OptionError(
+            f"orbit: there is no orbit in this dataset, whose message is:"
+            f" {orbit.attrs.get('message', '')}"
+        )
     mine, theirs = system.parameter_values, there.parameter_values
     for name in mine:
         if name in theirs and mine[name] != theirs[name]:

@@ -30,6 +30,10 @@ def block_averages(values: npt.NDArray[np.float64]) -> BlockAverages:
     correlations of chaotic motion have long tails, which shorter blocks miss although their
     neighbours do not seem to be correlated. They count as independent where the correlation of
     neighbours is below two over the root of their number in every column.
+
+    Where blocks happen to hold whole cycles of a motion they are alike, and tell nothing of the
+    cycle that the record cuts off at its ends. So the error is no smaller than what the sum of the
+    values wanders within a block, over their number.
     """
     length = max(1, len(values) // _BLOCKS)
     count = len(values) // length
@@ -38,6 +42,9 @@ def block_averages(values: npt.NDArray[np.float64]) -> BlockAverages:
     latest = values[len(values) - count * length :]  # the remainder is left out at the start
     blocks = latest.reshape(count, length, values.shape[1]).mean(axis=1)
     error = blocks.std(axis=0, ddof=1) / np.sqrt(count)
+    away = latest.reshape(count, length, values.shape[1]) - blocks[:, None]
+    sums = np.cumsum(away, axis=1)  # which end at zero
+    error = np.maximum(error, np.ptp(sums, axis=1).max(axis=0) / len(latest))
     # neighbours that balance each other only make the error too large
     independent = count >= _BLOCKS and bool(np.all(_neighbours(blocks) < 2.0 / np.sqrt(count)))
     return BlockAverages(error, length, count, independent)

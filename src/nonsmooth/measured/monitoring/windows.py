@@ -212,11 +212,11 @@ def _of_channel(name: str, data: _Windows, longest: int, variable: xr.DataArray)
     }
     for order in _HARMONICS:
         if 2 * order < samples:
-            words = {"long_name": f"{label}: harmonic {order} beside the first"}
+            words = {"long_name": f"{label}: harmonic {order} over the first"}
             found[f"{name}_harmonic_{order}"] = relative[:, order * periods], words
     for order in _SUBHARMONICS:
         if periods % order == 0:
-            words = {"long_name": f"{label}: subharmonic 1/{order} beside the first harmonic"}
+            words = {"long_name": f"{label}: subharmonic 1/{order} over the first harmonic"}
             found[f"{name}_subharmonic_{order}"] = relative[:, periods // order], words
     words = {"long_name": f"{label}: scatter of strobes"} | units
     found[f"{name}_strobes"] = _scatter(data.values[:, :, 0], longest), words
