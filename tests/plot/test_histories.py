@@ -111,3 +111,16 @@ def test_no_variables(mole):
 def test_run_without_samples(mole):
     with pytest.raises(OptionError, match="no samples"):
         ns.plot.time_history(mole.isel(time=slice(0)), "x")
+
+
+def test_motions_in_si_units_are_drawn(ax):
+    """Their times are converted, and the clock of the run is not told any more."""
+    rig = ns.models.MolingRig(
+        mass=0.9, stiffness=7.05e5, damping=79.6, friction_force=200.0, static_force=30.0,
+        dynamic_force=60.0, angular_frequency=88.5, gap=6e-6,
+    )  # fmt: skip
+    run = rig.to_si(ns.simulate(rig.system(), periods=5))
+    assert run.sizes["event"] > 2
+    ns.plot.time_history(run, "x", ax=ax)
+    assert ax.lines[0].get_xdata().size >= run.sizes["time"]
+    assert ax.get_xlabel() == "time [s]"

@@ -76,7 +76,12 @@ def rounding_of_events(
 
 
 def rounding_of_logged(run: xr.Dataset) -> npt.NDArray[np.float64]:
-    """The same for the event log of a run, as a dataset."""
+    """The same for the event log of a run, as a dataset; zero where its clock is not told.
+
+    Times that were converted to other units have the window of no clock.
+    """
+    if "window" not in run.attrs:
+        return np.zeros(run.sizes["event"])
     number, phase = run["event_period_number"].values, run["event_phase"].values
     return rounding_of_events(number, phase, run.attrs["window"])
 
