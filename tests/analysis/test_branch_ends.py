@@ -1,11 +1,14 @@
 """Where branches of orbits end, close and turn into others; what is no orbit."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import nonsmooth as ns
+from nonsmooth.analysis.orbit_search.branches import _telling
 from periodic_orbits.systems import rigid_wall
 
 
@@ -336,3 +339,14 @@ def test_a_branch_ends_where_both_walls_are_only_touched():
     width = values["b"] * np.hypot(1.0 - values["w"] ** 2, values["d"] * values["w"])
     assert value(branch, "grazing") == pytest.approx(width, rel=1e-6)
     assert branch.sizes["point"] < 60
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_multiplier_that_is_rounding_of_an_infinite_one_is_infinite(sign):
+    """At a graze the rate of the guard is zero up to rounding, of either sign."""
+    values = np.array([sign * 1.6e15, 0.1], complex)
+    looked = SimpleNamespace(multipliers=SimpleNamespace(multipliers=values))
+    part = SimpleNamespace(looked=looked, unbounded=False, special="grazing")
+    assert _telling(part) == np.inf
+    part.special = "fold"
+    assert _telling(part) == 0.1

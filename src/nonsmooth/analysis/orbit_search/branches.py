@@ -9,6 +9,7 @@ import numpy as np
 
 from nonsmooth.errors import OptionError, is_known
 from nonsmooth.periodic_orbits.branch_part import BranchPart
+from nonsmooth.periodic_orbits.multipliers import UNBOUNDED
 from nonsmooth.periodic_orbits.orbit import Orbit
 from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
 from nonsmooth.periodic_orbits.stretch import BranchOptions
@@ -134,6 +135,8 @@ def _telling(part: BranchPart) -> complex:
     values = part.looked.multipliers.multipliers
     if part.unbounded and values.size:
         return complex(np.inf)
+    if part.special == "grazing" and np.any(np.abs(values) > UNBOUNDED):
+        return complex(np.inf)  # the rate of the guard is zero but for rounding, of either sign
     values = values[np.isfinite(values)]
     if not values.size:
         return complex(np.nan)
