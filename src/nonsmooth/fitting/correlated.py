@@ -178,7 +178,11 @@ def correlation_of(
     found = _described(seen, series, counts, record_of_channel, rows)
     for _ in range(_ROUNDS if tangents.size else 0):
         lost = found.lost_to(tangents, max(lags))
-        whole = [each + other[: each.size] for each, other in zip(seen, lost, strict=True)]
+        whole = [
+            # not where noise of other channels has come in by the fit, more than that
+            each + (other[: each.size] if each[0] + other[0] > 0.0 else 0.0)
+            for each, other in zip(seen, lost, strict=True)
+        ]
         found = _described(whole, series, counts, record_of_channel, rows)
     lift = np.ones(len(series))
     if at_least is not None:

@@ -221,11 +221,13 @@ def fit(
     channels share their coefficients. They need states that are rates of others, of at most six
     masses. Each family has random coefficients whose variance is found by restricted maximum
     likelihood, beside the autoregression. One after the other enters as long as the ratio of
-    likelihoods has a probability below 0.01 without it. Its covariance is part of the sandwich, and
-    degrees of freedom of the variances, by Satterthwaite, make the quantile larger: few of them
-    tell the size of a wrong mass, and intervals are wide. Forces that would err by 30 % and more
-    count as none. What the parameters absorb of a wrong model leaves no trace in the residuals; no
-    single record shows it.
+    likelihoods has a probability below 0.01 without it, and is named. Where residuals are not
+    white, more of them count, without a name, as long as it is below a quarter, the level of tests
+    before pooling of variances (Bozivich and others). The covariance of all is part of the
+    sandwich, and degrees of freedom of the variances, by Satterthwaite, make the quantile larger:
+    few of them tell the size of a wrong mass, and intervals are wide. Forces that would err
+    by 30 % and more count as none. What the parameters absorb of a wrong model leaves no trace in
+    the residuals; no single record shows it.
 
     References
     ----------
@@ -248,7 +250,9 @@ def fit(
     H. D. Patterson and R. Thompson, Recovery of inter-block information when block sizes are
     unequal, Biometrika 58, 545-554 (1971): restricted maximum likelihood. F. E. Satterthwaite, An
     approximate distribution of estimates of variance components, Biometrics Bulletin 2, 110-114
-    (1946).
+    (1946). H. Bozivich, T. A. Bancroft and H. O. Hartley, Power of analysis of variance test
+    procedures for certain incompletely specified models, I, Annals of Mathematical Statistics 27,
+    1017-1043 (1956).
 
     Examples
     --------
