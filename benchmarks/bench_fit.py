@@ -3,13 +3,13 @@
 `python benchmarks/bench_fit.py [PART ...] [--records N] [--processes P] [--file FILE]`. The parts
 are ``records`` (100 synthetic records of six machines, see `synthetic_records`), ``repeats`` (how
 often intervals hold the truth when only the noise of a record is drawn anew), ``further`` (more
-records of quick machines behind poor sensors or of a wrong model), ``forty`` (40 periods, with one
-segment beside many), ``crack`` (the length of a crack of 11.3 mm behind imperfect sensors),
-``open`` (a parameter that no record of this kind determines) and ``cost`` (ten parameters over 100
-periods, as a ratio to one run). Each result is kept in FILE as soon as it is there, so that an
-interrupted command goes on where it stopped. The command fails where fewer than 95 of 100 records
-lead to the right optimum, where intervals surely hold the truth less often than 92 % or more often
-than 98 % for records of the kinds that they are for, or where another part fails.
+records of quick machines), ``forty`` (40 periods, with one segment beside many), ``crack`` (the
+length of a crack of 11.3 mm behind imperfect sensors), ``open`` (a parameter that no record of this
+kind determines) and ``cost`` (ten parameters over 100 periods, as a ratio to one run). Each result
+is kept in FILE as soon as it is there, so that an interrupted command goes on where it stopped. The
+command fails where fewer than 95 of 100 records lead to the right optimum, where intervals surely
+hold the truth less often than 92 % or more often than 98 % for records of the kinds that they are
+for, or where another part fails.
 """
 
 import argparse

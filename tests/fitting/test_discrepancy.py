@@ -154,6 +154,19 @@ def test_a_wrong_mass_is_told_as_an_error_of_the_forces_and_measured():
     assert abs(found["estimate"].values[0] - K) > 100.0 * error[0]
 
 
+def test_an_error_that_is_not_sure_counts_without_a_name():
+    """Ten records of coloured noise: each asks for a family with a chance of a quarter or more."""
+    rng, values = np.random.default_rng(7), motion(TIMES)
+    for _ in range(10):
+        found = fitted(values, rng, 0.7)
+        if "perhaps" in found.attrs["interval_method"]:
+            break
+    assert "perhaps" in found.attrs["interval_method"]
+    assert not told(found)
+    assert "intervals include it" not in found.attrs["message"]
+    assert found["variance_ratio"].values.max() > 1.0
+
+
 @pytest.mark.slow
 def test_an_error_of_the_model_in_each_of_two_records_is_told_for_each():
     rng = np.random.default_rng(4)

@@ -15,7 +15,9 @@ Each is a family of random errors with one variance, which is found by restricte
 (`nonsmooth.fitting.variance_components`). The covariance of the estimates follows from that. This
 is the discrepancy of Kennedy and O'Hagan, whose covariance is that of the filtered signal, or that
 which a random force brings to the record: what the fit cannot absorb of an error tells the size of
-that which it has absorbed.
+that which it has absorbed. So a small rest may stand for a large error of the estimates: where
+residuals are not white, a family counts already where its variance would have a probability below a
+quarter in noise. It is named below 0.01.
 
 A sample whose residual is far from all others, as beside a jump of the signal, tells nothing of the
 forces. What it does to the estimates counts by its square, as in the sandwich of Eicker and White.
@@ -34,7 +36,7 @@ import numpy.typing as npt
 from scipy.signal import lfilter
 from scipy.sparse import csr_array
 
-from nonsmooth.fitting.correlated import NOT_WHITE, autoregression
+from nonsmooth.fitting.correlated import NOT_WHITE, autoregression, ljung_box
 from nonsmooth.fitting.force_errors import ForceErrors, force_errors
 from nonsmooth.fitting.residuals import Residuals
 from nonsmooth.fitting.shooting import Shooting
@@ -55,12 +57,13 @@ _OWN = 3  # of these are of one channel, the rest are common to all
 _REACH = 2  # of the filter of a sensor, in samples to each side
 _PER_PERIOD = 30  # lags of the filter over a period, to each side
 _NO_PERIOD = 50.0  # samples that take its place
+_COUNTED = 0.25  # probability in noise below which a family counts: as in tests before pooling
 _FEWEST = 50  # samples of a channel that is looked at
 _MOST, _MOST_PERIODS = 20_000, 200  # from which variances are found: more tell little more
 _EXACT = 1e-6  # of the spread of a channel: errors of the integration follow the motion, too
 _FAR = 6.0  # standard deviations, which noise of 1e6 samples hardly reaches
 _MEDIAN = 0.6744897501960817  # of the size of a normal variable
-_SMALL = 0.3  # error of forces, as a part of them, that may count as small
+_SMALL = 0.3  # error of forces, or of what is shown, as a part of it, that may count as small
 _ROUNDS = 3  # of families and the correlation of what they leave
 
 
@@ -71,6 +74,7 @@ class Discrepancy(NamedTuple):
     sizes: dict[int, float]  # by channel, root mean square in units of its noise
     unit: float  # standard deviation of times, or as a part of the forces; nan of a filter
     freedom: float  # degrees of freedom with which the size is known
+    is_named: bool  # whether residuals surely speak for it
     factor: Floats  # (m, r): its product with itself is the covariance of r sums of residuals
 
 
@@ -158,14 +162,14 @@ def discrepancies_of(shooting: Shooting, fitted: Fitted, tangents: Floats) -> Di
     found += [part for each in explained for part in each.discrepancies(tangents)]
     residual, matched = rows.residual.copy(), rows.matched.copy()
     for each in explained:
-        each.clean(residual, matched)
+        each.clean(residual, matched, tangents)
     spent = sum(each.parts.n_spent for each in explained if each.parts is not None)
     far = np.zeros(residual.size, bool)
     for each in explained:
         far[each.looked.own] = each.is_far
     return Discrepancies(
         found, rows._replace(residual=residual, matched=matched), spent,
-        residual[far, None] * tangents[far],
+        rows.residual[far, None] * tangents[far],
     )  # fmt: skip
 
 
@@ -196,11 +200,22 @@ def _of_forces(
     residual, *columns, along = np.split(
         whole, np.cumsum([1, *(each.shape[1] for each in families)]), axis=1
     )
-    joint = variance_components(residual[:, 0], columns, along, NOT_WHITE)
-    if joint is None:
-        return []
-    found = []
-    for k, variance, freedom in zip(joint.families, joint.variances, joint.freedom, strict=True):
+    for counted in max((each.looked.levels for each in explained), key=len):
+        joint = variance_components(residual[:, 0], columns, along, NOT_WHITE, counted)
+        found = [] if joint is None else _force_errors(forces, joint, channel, tangents)
+        if found and max(each.unit for each in found) < _SMALL:
+            named = any(each.names_common for each in explained)
+            return [each._replace(is_named=each.is_named and named) for each in found]
+    return []
+
+
+def _force_errors(
+    forces: ForceErrors, joint: Components, channel: Integers, tangents: Floats
+) -> list[Discrepancy]:
+    """Errors of the forces with some variances."""
+    families, found = [forces.linear, forces.nonlinear], []
+    each = zip(joint.families, joint.variances, joint.freedom, joint.named, strict=True)
+    for k, variance, freedom, is_named in each:
         own, deviation = families[k], float(np.sqrt(variance))
         squares = (own**2).sum(axis=1)
         sizes = {
@@ -209,8 +224,8 @@ def _of_forces(
         }
         share = deviation * float(np.sqrt(own.shape[1] / forces.n_masses))
         factor = deviation * own.T @ tangents
-        found.append(Discrepancy(SOURCES[_OWN + k], sizes, share, float(freedom), factor))
-    return found if max(each.unit for each in found) < _SMALL else []
+        found.append(Discrepancy(SOURCES[_OWN + k], sizes, share, float(freedom), is_named, factor))
+    return found
 
 
 class _Looked(NamedTuple):
@@ -220,7 +235,8 @@ class _Looked(NamedTuple):
     own: Integers  # (N,) its rows
     place: Integers  # (N,) samples of its rows
     residual: Floats  # (K,) nan where there is none, or one that is no noise
-    rate: float  # root mean square of the rate of the signal, over the noise
+    spread: float  # standard deviation of the signal, over the noise
+    rate: float  # root mean square of its rate, over the noise
     families: Sequence[_Family]
     last: int  # how many samples variances are found from
 
@@ -250,7 +266,7 @@ class _Looked(NamedTuple):
         )
         last = min(count, _MOST, int(np.searchsorted(times - times[0], _MOST_PERIODS * period)))
         deviation = float(np.sqrt(np.mean(rate**2)))
-        return cls(c, own, place, residual, deviation, families, last)
+        return cls(c, own, place, residual, float(signal.std()), deviation, families, last)
 
     def with_common(self, common: Sequence[Floats]) -> _Looked:
         """The channel with families of all rows of a fit, without samples where these fail."""
@@ -271,17 +287,35 @@ class _Looked(NamedTuple):
         residual = np.where(known, self.early, 0.0)
         back, found = autoregression(self.early), None
         for _ in range(_ROUNDS):
-            found = variance_components(
-                lfilter(back, [1.0], residual),
-                [lfilter(back, [1.0], each, axis=0) for each in columns],
-                lfilter(back, [1.0], along, axis=0),
-                NOT_WHITE,
-            )
+            whitened = [lfilter(back, [1.0], each, axis=0) for each in (residual, along, *columns)]
+            for counted in self.levels:
+                found = variance_components(
+                    whitened[0], whitened[2:], whitened[1], NOT_WHITE, counted
+                )  # fmt: skip
+                if found is None or self._are_small(found, columns):
+                    break
             if found is None:
                 break
             left = self.early - np.concatenate(columns, axis=1) @ found.coefficients
             back = autoregression(left)
         return _Explained(self, back if found is not None else autoregression(self.early), found)
+
+    @property
+    def levels(self) -> tuple[float | None, ...]:
+        """Levels at which families count without a name, the first one that will do; None: never.
+
+        Residuals that pass for white keep the intervals of white noise.
+        """
+        return (None,) if ljung_box(self.early)[1] >= NOT_WHITE else (_COUNTED, None)
+
+    def _are_small(self, found: Components, columns: Sequence[Floats]) -> bool:
+        """Whether errors of its own are small beside the signal; those of forces are seen later."""
+        sizes = [
+            variance * np.mean((columns[k] ** 2).sum(axis=1))
+            for k, variance in zip(found.families, found.variances, strict=True)
+            if k < _OWN
+        ]
+        return max(sizes, default=0.0) < (_SMALL * self.spread) ** 2
 
     @property
     def early(self) -> Floats:
@@ -308,12 +342,25 @@ class _Explained(NamedTuple):
         """Whether a family of all channels is among its families."""
         return self.parts is not None and max(self.parts.families) >= _OWN
 
-    def _own(self) -> list[tuple[int, float, float]]:
-        """Number, variance and degrees of freedom of the families that are of this channel."""
-        if self.parts is None:
+    @property
+    def names_common(self) -> bool:
+        """Whether a family of all channels is named."""
+        parts = self.parts
+        return parts is not None and any(
+            is_named and k >= _OWN for k, is_named in zip(parts.families, parts.named, strict=True)
+        )
+
+    def _own(self) -> list[tuple[int, float, float, bool]]:
+        """Number, variance, its degrees of freedom, and whether it is named: of this channel's."""
+        parts = self.parts
+        if parts is None:
             return []
-        each = zip(self.parts.families, self.parts.variances, self.parts.freedom, strict=True)
-        return [(int(k), float(one), float(other)) for k, one, other in each if k < _OWN]
+        each = zip(parts.families, parts.variances, parts.freedom, parts.named, strict=True)
+        return [
+            (int(k), float(variance), float(freedom), is_named)
+            for k, variance, freedom, is_named in each
+            if k < _OWN
+        ]
 
     def whitened(self, common: Sequence[Floats], tangents: Floats) -> Floats:
         """Residuals, common columns and tangents, as if noise and errors of its own were white."""
@@ -330,7 +377,7 @@ class _Explained(NamedTuple):
         noise = float(np.mean(whole[known, 0] ** 2)) if self.parts is None else self.parts.noise
         errors = [
             np.sqrt(variance) * known[:, None] * looked.families[k].columns(looked.last)
-            for k, variance, _ in self._own()
+            for k, variance, _, _ in self._own()
         ]
         if errors:
             filtered = lfilter(self.back, [1.0], np.concatenate(errors, axis=1), axis=0)
@@ -344,24 +391,28 @@ class _Explained(NamedTuple):
         """The families that are of this channel as errors."""
         looked, found = self.looked, []
         weights = looked._placed(tangents[looked.own], looked.residual.size)
-        for family, variance, freedom in self._own():
+        for family, variance, freedom, is_named in self._own():
             each, deviation = looked.families[family], float(np.sqrt(variance))
             size = deviation * np.sqrt(np.mean((each.columns(looked.last) ** 2).sum(axis=1)))
             time = deviation / looked.rate if SOURCES[family] == TIME_BASE else np.nan
             factor = deviation * each.loads(weights)
             sizes = {looked.channel: float(size)}
-            found.append(Discrepancy(SOURCES[family], sizes, time, freedom, factor))
+            found.append(Discrepancy(SOURCES[family], sizes, time, freedom, is_named, factor))
         return found
 
-    def clean(self, residual: Floats, matched: npt.NDArray[np.bool_]) -> None:
-        """Take the most likely errors out of residuals; later ones that may have some match not."""
+    def clean(self, residual: Floats, matched: npt.NDArray[np.bool_], tangents: Floats) -> None:
+        """Take the most likely errors out of residuals; later ones that may have some match not.
+
+        What the fit has taken of these errors is not in the residuals.
+        """
         looked = self.looked
         if self.parts is None:
             return
-        columns = [each.columns(looked.last) for each in looked.families]
-        likely = np.concatenate(columns, axis=1) @ self.parts.coefficients
         early = looked.is_early
-        residual[looked.own[early]] -= likely[looked.place[early]]
+        rows, place = looked.own[early], looked.place[early]
+        columns = [each.columns(looked.last)[place] for each in looked.families]
+        likely = np.concatenate(columns, axis=1) @ self.parts.coefficients
+        residual[rows] -= _without(likely, tangents[rows])
         matched[looked.own[~early | self.is_far]] = False
 
     @property
@@ -393,6 +444,12 @@ def _far(residual: Floats) -> npt.NDArray[np.bool_]:
     news = residual - filled + lfilter(autoregression(near), [1.0], filled)
     far: npt.NDArray[np.bool_] = np.abs(news) > _FAR * np.nanmedian(np.abs(news)) / _MEDIAN
     return far
+
+
+def _without(series: Floats, tangents: Floats) -> Floats:
+    """What tangents leave of a series."""
+    found: Floats = series - tangents @ np.linalg.lstsq(tangents, series)[0]
+    return found
 
 
 def _scaled(series: Floats) -> Floats:

@@ -208,7 +208,9 @@ def fit(
     Where the test of Ljung and Box speaks against white residuals, each channel is described by an
     autoregression, whose innovations may be correlated from channel to channel. The covariance of
     the estimates is then a sandwich, and the profile falls by the quantile times the ratio of the
-    variances. That counts in coloured noise.
+    variances. That counts in coloured noise. Residuals remember less than the noise, by what the
+    fit has taken out of them, and this is made up for as by Worsley and others. The memory is known
+    with few degrees of freedom where noise remembers long, which make the quantile larger.
 
     Errors that follow the motion come again with it, and noise does not. Five families of them are
     looked for: errors of the times of the samples that change from period to period; a filter of a
@@ -219,11 +221,13 @@ def fit(
     channels share their coefficients. They need states that are rates of others, of at most six
     masses. Each family has random coefficients whose variance is found by restricted maximum
     likelihood, beside the autoregression. One after the other enters as long as the ratio of
-    likelihoods has a probability below 0.01 without it. Its covariance is part of the sandwich, and
-    degrees of freedom of the variances, by Satterthwaite, make the quantile larger: few of them
-    tell the size of a wrong mass, and intervals are wide. Forces that would err by 30 % and more
-    count as none. What the parameters absorb of a wrong model leaves no trace in the residuals; no
-    single record shows it.
+    likelihoods has a probability below 0.01 without it, and is named. Where residuals are not
+    white, more of them count, without a name, as long as it is below a quarter, the level of tests
+    before pooling of variances (Bozivich and others). The covariance of all is part of the
+    sandwich, and degrees of freedom of the variances, by Satterthwaite, make the quantile larger:
+    few of them tell the size of a wrong mass, and intervals are wide. Forces that would err
+    by 30 % and more count as none. What the parameters absorb of a wrong model leaves no trace in
+    the residuals; no single record shows it.
 
     References
     ----------
@@ -232,11 +236,13 @@ def fit(
     W. J. den Haan and A. Levin, A practitioner's guide to robust covariance matrix estimation,
     Handbook of Statistics 15, 299-342 (1997): autoregressions. R. E. Chandler and S. Bate,
     Inference for clustered data using the independence loglikelihood, Biometrika 94, 167-183
-    (2007): the profile. E. Carlstein, The use of subseries values for estimating the variance of a
-    general statistic from a stationary sequence, Annals of Statistics 14, 1171-1179 (1986): the
-    length of blocks. M. C. Kennedy and A. O'Hagan, Bayesian calibration of computer models,
-    Journal of the Royal Statistical Society B 63, 425-464 (2001): discrepancies of models. K.
-    Sargsyan, X. Huan and H. N. Najm, Embedded model error representation for Bayesian model
+    (2007): the profile. K. J. Worsley, C. H. Liao, J. Aston, V. Petre, G. H. Duncan, F. Morales and
+    A. C. Evans, A general statistical analysis for fMRI data, NeuroImage 15, 1-15 (2002), appendix:
+    autocorrelation from residuals. E. Carlstein, The use of subseries values for estimating the
+    variance of a general statistic from a stationary sequence, Annals of Statistics 14, 1171-1179
+    (1986): the length of blocks. M. C. Kennedy and A. O'Hagan, Bayesian calibration of computer
+    models, Journal of the Royal Statistical Society B 63, 425-464 (2001): discrepancies of models.
+    K. Sargsyan, X. Huan and H. N. Najm, Embedded model error representation for Bayesian model
     calibration, International Journal for Uncertainty Quantification 9, 365-394 (2019): errors in
     the equations. S. F. Masri and T. K. Caughey, A nonparametric identification technique for
     nonlinear dynamic problems, Journal of Applied Mechanics 46, 433-447 (1979): forces as
@@ -244,7 +250,9 @@ def fit(
     H. D. Patterson and R. Thompson, Recovery of inter-block information when block sizes are
     unequal, Biometrika 58, 545-554 (1971): restricted maximum likelihood. F. E. Satterthwaite, An
     approximate distribution of estimates of variance components, Biometrics Bulletin 2, 110-114
-    (1946).
+    (1946). H. Bozivich, T. A. Bancroft and H. O. Hartley, Power of analysis of variance test
+    procedures for certain incompletely specified models, I, Annals of Mathematical Statistics 27,
+    1017-1043 (1956).
 
     Examples
     --------

@@ -99,7 +99,7 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     follows = discrepancies_of(shooting, fitted, tangents)
     floor = np.array([channel.least_noise for channel in shooting.channels])
     correlation = correlation_of(
-        follows.rows, shooting.record_of_channel, shooting.n_spent + follows.n_spent,
+        follows.rows, shooting.record_of_channel, tangents, follows.n_spent,
         fitted.noise <= floor, even_white=bool(follows.found),
     )  # fmt: skip
     if correlation is None:
@@ -114,15 +114,16 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     covariance: Floats = root @ inner @ root.T
     own = np.array([(part**2).sum(axis=0) for part in parts]).reshape(-1, shooting.size)
     known = np.array([each.freedom for each in follows.found])
-    freedom = _freedom_of_sum(np.diag(covariance), own, known, float(freedom[0]))
+    rest = np.minimum(correlation.freedom_of(tangents, root), freedom)
+    freedom = _freedom_of_sum(np.diag(covariance), own, known, rest)
     return Spread(covariance, white, freedom, True, follows.found)
 
 
-def _freedom_of_sum(whole: Floats, parts: Floats, freedom: Floats, rest: float) -> Floats:
+def _freedom_of_sum(whole: Floats, parts: Floats, freedom: Floats, rest: Floats) -> Floats:
     """Degrees of freedom of sums of variances, by Satterthwaite: parts (J, size) and a rest."""
     left = np.maximum(whole - parts.sum(axis=0), 0.0) ** 2 / rest
     spread = left + (parts**2 / freedom[:, None]).sum(axis=0)
-    found = np.full(whole.shape, rest)
+    found = rest.copy()
     np.divide(whole**2, spread, out=found, where=spread > 0.0)
     return np.clip(found, 1.0, rest)
 

@@ -52,6 +52,7 @@ _LOWER_MINIMA = 3  # that profiles may find before they are taken as they are
 _PLAIN = "profile of the likelihood, residuals white"
 _WIDENED = "profile of the likelihood, widened for correlated residuals"
 _FOLLOWING = _WIDENED + " and for errors that follow the motion"
+_PERHAPS = _WIDENED + " and for errors that perhaps follow the motion"
 _NEUTRAL = 1e-6  # above 1: a multiplier of 1, of a motion without damping, is known about so well
 _FEW = 20  # data of a channel: their standard deviation is known to a sixth only
 _FORCE_WORDS = {
@@ -111,11 +112,12 @@ def fit_dataset(
     agrees = search.heights - height(best) < 0.5 * most_risen
     variables |= _starts(shooting, search, agrees, height(best))
     variables |= _directions(directions)
-    variables |= _discrepancies(spread.discrepancies, best.noise)
+    named = [each for each in spread.discrepancies if each.is_named]
+    variables |= _discrepancies(named, best.noise)
     words = _open_words(shooting, best, directions)
     names_of_channels = _names_of_channels(shooting)
     late = [channel.delay.is_free for channel in shooting.channels]
-    told = _message(best, agrees, words, variables, names_of_channels, late, spread.discrepancies)
+    told = _message(best, agrees, words, variables, names_of_channels, late, named)
     told += _few_words(shooting, best, names_of_channels) + _events_words(best, series)
     steady: dict[str, Any] = {}
     if growth := shooting.multipliers(best.evaluation):
@@ -368,8 +370,10 @@ def _discrepancies(found: Sequence[Discrepancy], noise: Floats) -> Variables:
 
 def _method(spread: Spread) -> str:
     """What the intervals count in."""
-    if spread.discrepancies:
+    if any(each.is_named for each in spread.discrepancies):
         return _FOLLOWING
+    if spread.discrepancies:
+        return _PERHAPS
     return _WIDENED if spread.is_widened else _PLAIN
 
 

@@ -8,6 +8,11 @@ judged by the rest.
 
 A variance that is not needed is zero. The families are those of a stepwise selection: one after
 the other enters with which the likelihood rises most.
+
+A family that residuals surely speak for is named. One that they speak for less surely is counted,
+too: to leave a variance out unless it is significant makes intervals far too short where it is
+about as large as can just not be seen. Tests before pooling of variances are therefore made at a
+level of a quarter (Bozivich, Bancroft and Hartley).
 """
 
 from __future__ import annotations
@@ -38,6 +43,7 @@ class Components(NamedTuple):
     """Families of random errors that residuals speak for."""
 
     families: list[int]  # their numbers
+    named: list[bool]  # whether residuals surely speak for each
     variances: Floats  # of their coefficients, in squares of the unit of the residuals
     freedom: Floats  # degrees of freedom with which each variance is known
     coefficients: Floats  # (m,) most likely ones; zero in families that were left out
@@ -54,13 +60,18 @@ class _Subset(NamedTuple):
 
 
 def variance_components(
-    residual: Floats, columns: Sequence[Floats], tangents: Floats, level: float
+    residual: Floats,
+    columns: Sequence[Floats],
+    tangents: Floats,
+    level: float,
+    counted: float | None = None,
 ) -> Components | None:
     """Families that white residuals (N,) speak for; None where there are none.
 
     columns: of each family (N, m), of about the size of one
     tangents: derivatives (N, q) of the residuals by what was fitted
-    level: probability with which a family is found in noise
+    level: probability with which a family is named in noise
+    counted: probability with which one is counted in noise, the same by default
     """
     sizes, vectors = np.linalg.svd(tangents, full_matrices=False)[1::-1]
     along = vectors[:, sizes > _ALONG * sizes.max(initial=1e-300)]
@@ -73,20 +84,24 @@ def variance_components(
         return None
     likelihood = _Likelihood(left.T @ left, left.T @ rest, float(rest @ rest), number, family)
     own = np.bincount(family, (whole**2).sum(axis=0), len(columns))
-    told = likelihood.trace > _ABSORBED * np.maximum(own, 1e-300)
-    kept = _stepwise(likelihood, np.flatnonzero(told).tolist(), level)
-    return likelihood.components(kept) if kept.families else None
+    told = np.flatnonzero(likelihood.trace > _ABSORBED * np.maximum(own, 1e-300)).tolist()
+    named = _stepwise(likelihood, told, level, likelihood.best([]))
+    kept = named if counted is None else _stepwise(likelihood, told, counted, named)
+    return likelihood.components(kept, named.families) if kept.families else None
 
 
-def _stepwise(likelihood: _Likelihood, families: list[int], level: float) -> _Subset:
+def _stepwise(
+    likelihood: _Likelihood, families: list[int], level: float, found: _Subset
+) -> _Subset:
     """Families that are entered one after the other, as long as the likelihood rises by enough.
 
-    One that another one makes needless leaves again. Few families come first: those of a record
-    are soon so many that together they explain whatever repeats.
+    One that another one makes needless leaves again, but for those that were found before. Few
+    families come first: those of a record are soon so many that together they explain whatever
+    repeats.
     """
     # a variance has a bound at zero: half of the ratios of likelihoods are zero without it
     least = 0.5 * float(chi2.isf(2.0 * level, 1))
-    found = likelihood.best([])
+    before = set(found.families)
     while len(found.families) < len(families):
         more = [
             likelihood.best(sorted([*found.families, each]))
@@ -97,10 +112,11 @@ def _stepwise(likelihood: _Likelihood, families: list[int], level: float) -> _Su
         if found.height - best.height < least:
             break
         found = best
-        while len(found.families) > 1:
+        while len(found.families) > max(1, len(before)):
             fewer = [
                 likelihood.best([other for other in found.families if other != each])
                 for each in found.families
+                if each not in before
             ]
             best = min(fewer, key=lambda each: each.height)
             if best.height - found.height >= least:
@@ -149,7 +165,7 @@ class _Likelihood:
         slopes: Floats = np.bincount(place, each, len(families)).astype(float)
         return height, slopes
 
-    def components(self, found: _Subset) -> Components:
+    def components(self, found: _Subset, named: list[int]) -> Components:
         """What follows from the most likely variances."""
         own, weight, _ = self._weighted(found.families, found.logs)
         matrix = self._matrix(own, weight)
@@ -161,8 +177,9 @@ class _Likelihood:
         variances = noise * np.exp(found.logs) / self._mean[found.families]
         spent = own.size - float(np.trace(np.linalg.inv(matrix)))
         return Components(
-            found.families, variances, self._freedom(found), coefficients, float(noise), spent
-        )
+            found.families, [each in named for each in found.families], variances,
+            self._freedom(found), coefficients, float(noise), spent,
+        )  # fmt: skip
 
     def _freedom(self, found: _Subset) -> Floats:
         """Degrees of freedom, by Satterthwaite: two over the variance of a logarithm."""
