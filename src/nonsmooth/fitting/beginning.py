@@ -73,7 +73,8 @@ def first_states(
     found = np.empty((record.n_segments, record.n))
     tries = qmc.Sobol(record.n, rng=np.random.default_rng(seed)).random(_TRIES)
     spread = (2.0 * tries - 1.0) * record.scales
-    guess, mode = initial, ANY
+    guess, record.first_mode = initial, ANY
+    mode = ANY
     for m in range(record.n_segments):
         best = _fit_segment(record, m, _with_data(record, m, guess), head, noise, mode)
         if best is None or best.cost > _GOOD:
@@ -84,11 +85,37 @@ def first_states(
                     best = tried
         if best is None:
             return None
+        if m == 0:
+            best, mode = _in_better_mode(record, best, initial, head, noise)
+            record.first_mode = mode
         if m < record.n_segments - 1 and _move_cut(record, m, best.state, mode):
             best = _fit_segment(record, m, best.state, head, noise, mode) or best
         found[m], guess = best.state, best.flight.samples.states[-1]
         mode = best.flight.last_mode
+    if record.is_cycle:
+        record.first_mode = mode
     return found
+
+
+def _in_better_mode(
+    record: RecordEquations, best: _Fitted, initial: Floats, head: Floats, noise: Floats
+) -> tuple[_Fitted, int]:
+    """The first segment from that mode whose motion fits best, where its state fits several.
+
+    Nothing but the data tells whether a latch, a relay or a thermostat begins open or closed. A
+    state that fits a mode may seem not to, by noise or by a wrong guess of what is not observed.
+    """
+    found, mode, guess = best, ANY, _with_data(record, 0, initial)
+    changes = _NEAR * np.diag(record.scales)
+    begins: dict[int, Floats] = {}
+    for state in guess + np.array([np.zeros(record.n), *changes, *-changes]):
+        for k in record.flights.fitting_modes(state, float(record.bounds[0])):
+            begins.setdefault(k, state)
+    for k, state in begins.items() if len(begins) > 1 else ():
+        tried = _fit_segment(record, 0, state, head, noise, k)
+        if tried is not None and tried.cost < found.cost:
+            found, mode = tried, k
+    return found, mode
 
 
 def _move_cut(record: RecordEquations, m: int, state: Floats, mode: int) -> bool:

@@ -7,6 +7,8 @@ In some modes relations hold some of the states: a ring stands where the rotor p
 lies on its slider. A start of a segment has all states as numbers, which agree with such relations
 only when the fit has ended. So a start tells a mode, that in which the segment before has ended,
 and states that the mode holds are left out of it: the engine puts them in their place.
+
+The mode counts too where a state fits several of them, as with a latch, a relay or a thermostat.
 """
 
 from __future__ import annotations
@@ -140,6 +142,12 @@ class Flights:
             by_start[:, : self.n] = by_start[:, : self.n] @ turned
         return flight
 
+    def fitting_modes(self, state: Floats, begin: float) -> list[int]:
+        """Modes that a state fits as it is, none of which holds any of it."""
+        free = np.flatnonzero(~self._held.any(axis=1)).tolist()
+        looked = ((k, self._log(state, k, begin, begin)[0]) for k in free)
+        return [k for k, status in looked if status == Status.COMPLETED]
+
     def _look(
         self, start: Floats, mode: int, begin: float, times: Floats
     ) -> tuple[Status, Flight | None]:
@@ -207,6 +215,8 @@ class Flights:
             kin = [k for k, parent in enumerate(self._parents) if parent == self._parents[mode]]
             for k in sorted(kin, key=lambda k: k != mode):
                 yield np.where(self._held[k], np.nan, state), k, None
+        elif mode != ANY:
+            yield state, mode, None
         yield state, ANY, None
         for k in self._scanned:
             yield np.where(self._held[k], np.nan, state), k, None

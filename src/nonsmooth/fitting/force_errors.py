@@ -196,7 +196,7 @@ def _columns(shooting: Shooting, fitted: Fitted, terms: Sequence[_Term]) -> Floa
             record.times, record.bounds, record.flights.tolerance, record.shift,
             is_cycle=record.is_cycle,
         )  # fmt: skip
-        wide.scales = record.scales
+        wide.scales, wide.first_mode = record.scales, record.first_mode
         records.append(wide)
     free = [*shooting.free, *[_COEFFICIENT] * len(added)]
     both = Shooting(records, free, shooting.labels, shooting.private)

@@ -37,6 +37,7 @@ Integers = npt.NDArray[np.int64]
 
 NO_SHIFT = Range(0.0, 0.0, 0.0)
 _NUISANCES = ("gain", "offset", "delay")
+_PASSES = 4  # of a cycle: each mode of two, as those of a latch, twice
 _INSTANT = 1e-12  # of a cycle: samples that lie closer after folding are at one instant
 
 
@@ -80,6 +81,7 @@ class RecordEquations:
         self.n, self.p = len(system.states), len(self.free)
         self.h = self.p + len(self.nuisances)
         self.scales = np.ones(self.n)  # of the states
+        self.first_mode = ANY  # in which the first segment is to begin
         self._plans: list[SegmentData] | None = None
 
     @property
@@ -128,6 +130,31 @@ class RecordEquations:
         """Run through a segment from a mode on; its end is the last sample."""
         times, begin = np.append(plan.times, self.bounds[m + 1]), float(self.bounds[m])
         return self.flights.fly(state, begin, times, mode, events=bool(self._picked))
+
+    def fly_all(
+        self, states: Floats, plans: Sequence[SegmentData]
+    ) -> tuple[list[Flight], list[int]] | None:
+        """Run through all segments, each from the mode in which the one before has ended.
+
+        Those of a cycle are run again until the first one begins in the mode of the end. Also
+        returned are the modes in which they were to begin.
+        """
+        flown: list[Flight] = []
+        begun: list[int] = []
+        mode = self.first_mode
+        for _ in range(_PASSES if self.is_cycle else 1):
+            for m, plan in enumerate(plans):
+                if m < len(flown) and begun[m] == mode:
+                    break  # from here on nothing changes
+                flight = self.fly(m, states[m], plan, mode)
+                if flight is None:
+                    return None
+                flown[m : m + 1], begun[m : m + 1] = [flight], [mode]
+                mode = flight.last_mode
+            mode = flown[-1].last_mode
+            if mode == begun[0]:
+                break
+        return flown, begun
 
     def without_events_before(self, flight: Flight, plan: SegmentData) -> Flight:
         """A flight without events before the first picked one, of which a part was picked only."""

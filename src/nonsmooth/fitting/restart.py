@@ -40,6 +40,7 @@ def restart_text(shooting: Shooting) -> str:
             },
             "end": float(record.bounds[-1]),
             "is_cycle": record.is_cycle,
+            "first_mode": record.first_mode,
             "shift": record.shift,
             "channels": [
                 {key: getattr(channel, key) for key in _SENSOR} for channel in record.channels
@@ -94,11 +95,13 @@ def _record(
         ranges = {key: Range(*sensor[key]) for key in ("gain", "offset", "delay", "noise")}
         channels.append(ObservedChannel(**(sensor | ranges), values=values))
     begins = found["segment_time"].values[found["segment_record"].values == r]
-    return RecordEquations(
+    record = RecordEquations(
         system.with_parameters(**entry["values"]) if entry["values"] else system,
         tuple(free), channels, found["time"].values[here], np.append(begins, entry["end"]),
         float(found.attrs["tolerance"]), Range(*entry["shift"]), is_cycle=entry["is_cycle"],
     )  # fmt: skip
+    record.first_mode = entry["first_mode"]
+    return record
 
 
 def _picked(found: Any, c: int) -> Floats:

@@ -19,10 +19,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.fitting.channels import Range
-from nonsmooth.fitting.flights import Flight
 from nonsmooth.fitting.record_equations import RecordEquations
 from nonsmooth.fitting.residuals import Residuals, joined
 
@@ -261,6 +259,11 @@ class Shooting:
         """What a gap between segments is measured in, as a part of the size of a state."""
         return _UNIT
 
+    def begin_as(self, found: Evaluation) -> None:
+        """Let each record begin in the mode in which it has begun in an evaluation."""
+        for first, record in zip(self._first_segment, self.records, strict=False):
+            record.first_mode = found.modes[first]
+
     def forget_plans(self) -> None:
         """Read the data anew at the next evaluation."""
         for record in self.records:
@@ -290,14 +293,10 @@ class Shooting:
     def _evaluate_record(self, r: int, u: Floats, noise: Floats) -> Evaluation | None:
         record, values = self.records[r], self.values_in(r, self.head_values(u))
         states, plans = self.states_of(u)[self.segments_in(r)], record.plans(values)
-        flown: list[Flight] = []
-        modes = [ANY]
-        for m, plan in enumerate(plans):
-            flight = record.fly(m, states[m], plan, modes[m])
-            if flight is None:
-                return None
-            flown.append(flight)
-            modes.append(flight.last_mode)
+        motion = record.fly_all(states, plans)
+        if motion is None:
+            return None
+        flown, modes = motion
         rows = record.rows(
             list(range(record.n_segments)), flown, plans, values, self.noise_in(r, noise)
         )
@@ -320,7 +319,7 @@ class Shooting:
             (ends - starts) / unit,
             self._spread(r, by_own),
             columns[:, :, : self.n] * self.scales,
-            modes[:-1],
+            modes,
         )
 
     def _spread(self, r: int, by_own: Floats) -> Floats:

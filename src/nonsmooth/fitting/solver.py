@@ -307,6 +307,8 @@ def _first_stage(
         if states is None:
             break
         u = shooting.join(found.u[: shooting.h], states)
+    if best is not None:
+        shooting.begin_as(best.evaluation)
     return best
 
 
