@@ -5,6 +5,7 @@ import pytest
 import synthetic_motions as machines
 
 import nonsmooth as ns
+from fitting.test_several_modes import LATCH_FREE, latch, latch_motion
 from fitting.truth import RIGID, SOFT, dataset, rigid_motion, soft_motion
 from nonsmooth.fitting.beginning import first_states, sizes_of_states
 from nonsmooth.fitting.channels import check_free, read_channels
@@ -56,8 +57,17 @@ def rotor_case():
     return system, record, free, nuisances, {"x": "x", "y": "y"}
 
 
+def latch_case():
+    """Where segments begin, the mass mostly fits both modes."""
+    times = np.linspace(0.0, 30.0, 300)
+    record = dataset(times, x=latch_motion(times, [0.3, 0.1], "loose").states[:, 0])
+    nuisances = {"gain": None, "offset": None, "delay": None}
+    return latch(), record, LATCH_FREE, nuisances, {"x": "x"}
+
+
 @pytest.mark.parametrize(
-    ("case", "n_segments"), [(soft_case, 5), (rigid_case, 5), (mole_case, 12), (rotor_case, 12)]
+    ("case", "n_segments"),
+    [(soft_case, 5), (rigid_case, 5), (latch_case, 5), (mole_case, 12), (rotor_case, 12)],
 )
 def test_derivatives_agree_with_differences(case, n_segments):
     """Through impacts, by parameters that move events, by the frequency, and by a delay.

@@ -4,6 +4,9 @@ Each segment is fitted by itself, one after the other: its state is unknown and 
 the end of the segment before. A segment is short, so this succeeds also where the parameters are
 far off, and where only some of the states are observed.
 
+Where a state fits several modes, the segment takes the one whose motion fits best. As long as the
+parameters are wrong, that is nearer to the truth than the mode in which the one before has ended.
+
 At a rigid wall no motion begins behind the wall. A cut between segments that falls near an impact
 would keep the solver from steps that it needs, so such a cut is moved.
 """
@@ -73,8 +76,8 @@ def first_states(
     found = np.empty((record.n_segments, record.n))
     tries = qmc.Sobol(record.n, rng=np.random.default_rng(seed)).random(_TRIES)
     spread = (2.0 * tries - 1.0) * record.scales
-    guess, record.first_mode = initial, ANY
-    mode = ANY
+    guess, mode = initial, ANY
+    record.own_modes = {}
     for m in range(record.n_segments):
         best = _fit_segment(record, m, _with_data(record, m, guess), head, noise, mode)
         if best is None or best.cost > _GOOD:
@@ -85,8 +88,8 @@ def first_states(
                     best = tried
         if best is None:
             return None
+        best, mode = _in_better_mode(record, m, best, guess, head, noise, mode)
         if m == 0:
-            best, mode = _in_better_mode(record, best, initial, head, noise)
             record.first_mode = mode
         if m < record.n_segments - 1 and _move_cut(record, m, best.state, mode):
             best = _fit_segment(record, m, best.state, head, noise, mode) or best
@@ -98,24 +101,28 @@ def first_states(
 
 
 def _in_better_mode(
-    record: RecordEquations, best: _Fitted, initial: Floats, head: Floats, noise: Floats
-) -> tuple[_Fitted, int]:
-    """The first segment from that mode whose motion fits best, where its state fits several.
+    record: RecordEquations, m: int, best: _Fitted, guess: Floats, head: Floats, noise: Floats,
+    mode: int,
+) -> tuple[_Fitted, int]:  # fmt: skip
+    """A segment from that mode whose motion fits best, where its state fits several.
 
-    Nothing but the data tells whether a latch, a relay or a thermostat begins open or closed. A
-    state that fits a mode may seem not to, by noise or by a wrong guess of what is not observed.
+    Nothing but the data tells whether a latch, a relay or a thermostat begins open or closed. At
+    the first segment a state may seem not to fit its mode, by noise or by a wrong guess of what is
+    not observed; later ones have also been tried from the mode in which the one before has ended.
     """
-    found, mode, guess = best, ANY, _with_data(record, 0, initial)
-    changes = _NEAR * np.diag(record.scales)
+    changes = _NEAR * np.diag(record.scales) if m == 0 else np.zeros((0, record.n))
     begins: dict[int, Floats] = {}
-    for state in guess + np.array([np.zeros(record.n), *changes, *-changes]):
-        for k in record.flights.fitting_modes(state, float(record.bounds[0])):
+    for state in _with_data(record, m, guess) + np.array([np.zeros(record.n), *changes, *-changes]):
+        for k in record.flights.fitting_modes(state, float(record.bounds[m])):
             begins.setdefault(k, state)
-    for k, state in begins.items() if len(begins) > 1 else ():
-        tried = _fit_segment(record, 0, state, head, noise, k)
-        if tried is not None and tried.cost < found.cost:
-            found, mode = tried, k
-    return found, mode
+    if len(begins) < 2:
+        return best, mode
+    for k, state in begins.items():
+        tried = _fit_segment(record, m, state, head, noise, k) if k != mode else None
+        if tried is not None and tried.cost < best.cost:
+            best, mode = tried, k
+    record.own_modes[m] = mode
+    return best, mode
 
 
 def _move_cut(record: RecordEquations, m: int, state: Floats, mode: int) -> bool:

@@ -202,8 +202,12 @@ def fit(
     -----
     Maximum likelihood for noise that is normal and white. The solver is
     ``scipy.optimize.least_squares`` with bounds; the method of multipliers makes the segments
-    continuous. An interval ends where twice the logarithm of the likelihood, with everything else
-    found anew, has fallen by the quantile of an F distribution.
+    continuous. Where a state fits several modes, as with a latch or a thermostat, a segment begins
+    in the mode in which the one before has ended, and the first one in that which fits its data
+    best, or where the motion is periodic, in the mode of its end. Far from the minimum each segment
+    begins in the mode that fits its own data best. An interval ends where twice the logarithm of
+    the likelihood, with everything else found anew, has fallen by the quantile of an F
+    distribution.
 
     Where the test of Ljung and Box speaks against white residuals, each channel is described by an
     autoregression, whose innovations may be correlated from channel to channel. The covariance of

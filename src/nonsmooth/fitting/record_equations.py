@@ -82,6 +82,9 @@ class RecordEquations:
         self.h = self.p + len(self.nuisances)
         self.scales = np.ones(self.n)  # of the states
         self.first_mode = ANY  # in which the first segment is to begin
+        # of segments that fit several modes, as long as they are not to join; the others begin in
+        # the mode in which the one before has ended
+        self.own_modes: dict[int, int] = {}
         self._plans: list[SegmentData] | None = None
 
     @property
@@ -144,6 +147,7 @@ class RecordEquations:
         mode = self.first_mode
         for _ in range(_PASSES if self.is_cycle else 1):
             for m, plan in enumerate(plans):
+                mode = self.own_modes.get(m, mode)
                 if m < len(flown) and begun[m] == mode:
                     break  # from here on nothing changes
                 flight = self.fly(m, states[m], plan, mode)
@@ -152,7 +156,7 @@ class RecordEquations:
                 flown[m : m + 1], begun[m : m + 1] = [flight], [mode]
                 mode = flight.last_mode
             mode = flown[-1].last_mode
-            if mode == begun[0]:
+            if self.own_modes.get(0, mode) == begun[0]:
                 break
         return flown, begun
 

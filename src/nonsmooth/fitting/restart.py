@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.fitting.channels import ObservedChannel, Range
 from nonsmooth.fitting.record_equations import RecordEquations
@@ -100,7 +101,7 @@ def _record(
         tuple(free), channels, found["time"].values[here], np.append(begins, entry["end"]),
         float(found.attrs["tolerance"]), Range(*entry["shift"]), is_cycle=entry["is_cycle"],
     )  # fmt: skip
-    record.first_mode = entry["first_mode"]
+    record.first_mode = entry.get("first_mode", ANY)  # results of old files tell none
     return record
 
 

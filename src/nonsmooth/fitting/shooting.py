@@ -3,8 +3,9 @@
 Each record is cut into segments. The state at the start of each segment is unknown, so each run is
 short and an error of the parameters cannot grow over the whole record, nor can a chaotic motion
 lose it. That the end of a segment is the start of the next one is an equation, which the solver
-brings to hold (`nonsmooth.fitting.solver`). The last segment of a steady motion ends where the
-first one begins.
+brings to hold (`nonsmooth.fitting.solver`). In the end a segment also begins in the mode in which
+the one before has ended, which counts where its state fits several modes. The last segment of a
+steady motion ends where the first one begins.
 
 Unknowns are counted in units of their ranges: first the head, which has the parameters and what is
 free of the sensors, then the states of all segments. Records share the entries of the head but for
@@ -260,9 +261,15 @@ class Shooting:
         return _UNIT
 
     def begin_as(self, found: Evaluation) -> None:
-        """Let each record begin in the mode in which it has begun in an evaluation."""
+        """Let first segments, and those with modes of their own, begin as in an evaluation."""
         for first, record in zip(self._first_segment, self.records, strict=False):
             record.first_mode = found.modes[first]
+            record.own_modes = {m: found.modes[first + m] for m in record.own_modes}
+
+    def carry_modes(self) -> None:
+        """Let each segment begin in the mode in which the one before has ended."""
+        for record in self.records:
+            record.own_modes = {}
 
     def forget_plans(self) -> None:
         """Read the data anew at the next evaluation."""

@@ -345,6 +345,8 @@ def close_gaps(
     found, count, before, ended = first, 0, np.inf, False
     for k in range(len(weights) + _ROUNDS):
         now, following = (min(each, len(weights) - 1) for each in (k, k + 1))
+        if now >= _JOINED:
+            shooting.carry_modes()
         if now >= _JOINED and found is not None:
             u, shift = _with_fewer_segments(shooting, u, shift, found, now == len(weights) - 1)
         if k or first is None:
