@@ -84,19 +84,18 @@ def distribute(
     --------
     >>> import tempfile
     >>> from concurrent.futures import ThreadPoolExecutor
-    >>> import numpy as np
     >>> import nonsmooth as ns
     >>> with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(2) as pool:
     ...     diagram = ns.cluster.distribute(
     ...         ns.bifurcation_diagram,
-    ...         ns.models.soft_impact(),
+    ...         ns.models.soft_impact(zeta=0.05),
     ...         "omega",
-    ...         np.linspace(0.7, 0.8, 5),
+    ...         [0.6, 0.7, 0.8, 0.9],
     ...         executor=pool,
     ...         store=f"{folder}/diagram",
     ...     )
     >>> diagram["period"].values.ravel().tolist()
-    [1, 1, 1, 0, 5]
+    [1, 1, 1, 2]
     """
     if "store" not in _parameters(function):
         raise OptionError(
