@@ -59,6 +59,7 @@ def torus_curve(over_b):
     return ns.continue_special(over_b, number_of(over_b, "torus"), "a", (-3.0, 5.0))
 
 
+@pytest.mark.slow
 def test_torus_curve_of_henons_map(torus_curve):
     """Multipliers have the product -b and the sum -2 a x: all resonances lie on b = -1.
 
@@ -190,6 +191,7 @@ def flips(twice):
     return ns.continue_special(twice, int(places[0]), "omega", (0.6, 1.2))
 
 
+@pytest.mark.slow
 def test_a_flip_curve_goes_on_through_grazing(flips):
     """Two grazes are passed on it: an excursion appears, and vanishes at the other one."""
     assert flips.attrs["end_first"] == flips.attrs["end_last"] == "closed"
@@ -236,6 +238,7 @@ def test_the_grazing_curve_meets_the_flip_curve_at_the_same_points(twice, flips)
     assert ours == pytest.approx(np.array(sorted(found_on(flips)["grazing_flip"])), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_fold_curve_goes_on_through_grazing(twice):
     place = np.flatnonzero(twice["special_kind"].values == "fold")[-1]
     curve = ns.continue_special(twice, int(place), "omega", (0.6, 1.2), steps=300)
@@ -248,6 +251,7 @@ def test_a_fold_curve_goes_on_through_grazing(twice):
     assert len(set(curve["word"].values.tolist())) > 1
 
 
+@pytest.mark.slow
 def test_points_that_no_curve_leads_from(torus_curve, flips):
     curve = torus_curve
     with pytest.raises(ns.OptionError, match="resonance_1_3 point, from which no curve"):
@@ -309,6 +313,7 @@ def test_an_event_passes_the_section_along_a_curve(drill):
         assert run["end_state"].values == pytest.approx(start, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_curve_goes_on_where_an_impact_throws_over_a_surface(drill):
     """At that point the speed behind an impact is zero; orbits on either side come back."""
     curve = ns.continue_special(drill, number_of(drill, "flip"), "r", (0.7, 0.95))

@@ -71,6 +71,7 @@ def test_an_interruption_at_any_chunk_loses_nothing(straight, tmp_path, monkeypa
     assert len(chunks(store)) in (turn, turn + 1)
 
 
+@pytest.mark.slow
 def test_a_killed_process_is_gone_on_from(straight, tmp_path) -> None:
     """The process ends as one that is killed does: nothing is tidied up."""
     store = tmp_path / "store"

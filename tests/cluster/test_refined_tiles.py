@@ -57,6 +57,7 @@ def test_tiles_refine_their_own_cells(tile, tmp_path, whole):
     assert np.all(found["computed"].values[corners] == 1)
 
 
+@pytest.mark.slow
 def test_a_tile_does_not_depend_on_who_computes_it(tmp_path):
     """Tile by tile and in another order, with an interruption: equal to the bit."""
     first = computed_map(tmp_path / "first.zarr", tile=8)

@@ -37,6 +37,7 @@ def typed(screen, text):
     screen.page.get_by_label("Equations of the system as TOML").fill(text)
 
 
+@pytest.mark.slow
 def test_a_typed_model_comes_to_its_portrait(screen, wall):
     """Its steady motion is -cos(t)/c, so the portrait is a circle with the radius 1/c = 4."""
     screen.open(wall)

@@ -190,6 +190,7 @@ def test_a_view_says_whether_a_gesture_made_it():
     assert [message["by_gesture"] for message in page.told("view")] == [True, False]
 
 
+@pytest.mark.slow
 def test_ranges_of_sliders_come_when_a_slider_rests():
     page = Page()
     page.crew.take()

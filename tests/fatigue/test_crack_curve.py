@@ -78,6 +78,7 @@ def test_a_slip_is_told(place, slip):
     assert clean.outliers == () and clean.a3 == pytest.approx(250.0, rel=0.05)
 
 
+@pytest.mark.slow
 def test_false_alarms_of_slips():
     """Binomial of 200 at 1 %: 2 +- 1.4."""
     with warnings.catch_warnings():

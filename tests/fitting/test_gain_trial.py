@@ -30,6 +30,7 @@ def record(factor: float):
     return ns.measured.from_arrays({"x": factor * (x + noise)}, times=t)
 
 
+@pytest.mark.slow
 def test_a_record_in_degrees_is_recognised():
     found = ns.fit(oscillator(), record(FACTOR), FREE, {"x": "x"}, starts=1)
     message = found.attrs["message"]

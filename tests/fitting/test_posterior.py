@@ -55,6 +55,7 @@ def test_a_straight_line_has_the_posterior_of_regression():
     assert stats.kstest(ratios, stats.chi2(10).cdf).pvalue > 1e-4
 
 
+@pytest.mark.slow
 def test_what_was_known_before_counts_as_a_measurement():
     """A normal prior and known noise: means are weighted by the inverse squares of errors."""
     record, found = fit_of_line(noise=0.2)

@@ -67,7 +67,13 @@ def latch_case():
 
 @pytest.mark.parametrize(
     ("case", "n_segments"),
-    [(soft_case, 5), (rigid_case, 5), (latch_case, 5), (mole_case, 12), (rotor_case, 12)],
+    [
+        (soft_case, 5),
+        (rigid_case, 5),
+        (latch_case, 5),
+        (mole_case, 12),
+        pytest.param(rotor_case, 12, marks=pytest.mark.slow),
+    ],
 )
 def test_derivatives_agree_with_differences(case, n_segments):
     """Through impacts, by parameters that move events, by the frequency, and by a delay.

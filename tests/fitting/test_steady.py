@@ -140,6 +140,7 @@ def test_what_repeats_is_told(motion, expected):
     assert right >= 5
 
 
+@pytest.mark.slow
 def test_the_phase_of_the_forcing_is_found():
     """A record that begins at an unknown time of the forcing, 2.3 after its phase zero."""
     record = linear_record(late=-2.3)

@@ -54,6 +54,7 @@ def test_noise_alone_speaks_for_no_family_but_as_often_as_the_level():
     assert 20 - 13.1 <= count <= 20 + 13.1
 
 
+@pytest.mark.slow
 def test_a_variance_counts_before_it_is_named():
     """400 layouts of noise at 0.25 and 0.01: 100 and 4 are found, to three standard errors."""
     rng = np.random.default_rng(5)
@@ -68,6 +69,7 @@ def test_a_variance_counts_before_it_is_named():
     assert named <= 4 + 6
 
 
+@pytest.mark.slow
 def test_counting_variances_early_keeps_the_intervals_of_a_mean():
     """The mean of 12 groups whose effects are as large as the noise of a mean of a group.
 

@@ -282,6 +282,7 @@ def test_rest_with_masses_on_the_specimen_or_off_it(forces, crack):
 
 
 @pytest.mark.parametrize("forces", [(-1.0, 3.75), (2.0, -1.0), (-0.5, -0.2)])
+@pytest.mark.slow
 def test_motion_from_a_rest_with_a_mass_off_the_specimen(forces):
     """Positions of the masses themselves, by an implicit method of order five."""
     f1, f2 = forces

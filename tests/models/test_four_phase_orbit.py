@@ -45,6 +45,7 @@ def test_minimum_is_the_orbit():
     assert np.allclose(found["durations"], [legs[0] + legs[4], *legs[1:4]], atol=1e-10)
 
 
+@pytest.mark.slow
 def test_both_orbits_below_the_fold():
     """A stable orbit and its unstable partner, both four phases and both motions for a period."""
     system = moling(b=0.155)

@@ -281,7 +281,10 @@ NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motio
 }  # fmt: skip
 
 
-SLOW = {"continue_special", "homoclinic_tangency", "manifold", "simulate slowly"}
+SLOW = {
+    "best_point", "continue_special", "homoclinic_points", "homoclinic_tangency", "manifold",
+    "order_tracking", "simulate slowly",
+}  # fmt: skip
 
 
 def preloads():

@@ -310,6 +310,21 @@ def test_a_finished_store_is_read_where_nothing_may_be_written(tmp_path, monkeyp
         Store.open(tmp_path / "new", {}, 2, shared=True)
 
 
+def test_a_protocol_that_appears_while_the_folder_is_read_is_no_stranger(tmp_path, monkeypatch):
+    """Two processes begin at once: one writes it between two looks of the other."""
+    whole, looks = Path.iterdir, []
+
+    def late(path):
+        if path.name == "s" and not looks:
+            looks.append(path)
+            with Store.open(tmp_path / "s", {}, 2, shared=True) as first:
+                first.put(0, ARRAYS)
+        return whole(path)
+
+    monkeypatch.setattr(Path, "iterdir", late)
+    assert Store.open(tmp_path / "s", {}, 2, shared=True).done == {0}
+
+
 def test_strange_entries_are_told(tmp_path):
     with Store.open(tmp_path / "s", {}, 2, shared=True):
         pass

@@ -309,6 +309,7 @@ def rattling():
     return system, bench
 
 
+@pytest.mark.slow
 def test_an_orbit_is_one_of_scipy(rattling):
     system, bench = rattling
     found = ns.find_orbit(system)
@@ -410,6 +411,7 @@ def test_response_with_bearings_that_depend_on_the_speed(bearing, method):
             assert abs(float(run[name][0]) - amplitude[i].real) < 1e-8 * abs(amplitude[i])
 
 
+@pytest.mark.slow
 def test_a_run_up_takes_the_coefficients_of_each_revolution():
     structure = rotor_with(TABULATED)
     system = machine(
@@ -443,6 +445,7 @@ def test_a_run_up_takes_the_coefficients_of_each_revolution():
         assert abs(float(up[name][-1]) - state[i]) < 1e-7
 
 
+@pytest.mark.slow
 def test_a_ring_on_a_shaft_with_long_tables_is_read_once():
     """Each equation of the machine has all coefficients of both bearings in it."""
     speeds = np.linspace(0.0, 600.0, 30)

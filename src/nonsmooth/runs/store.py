@@ -358,6 +358,8 @@ def _refuse_strangers(folder: Path) -> None:
         return
     for path in folder.iterdir():
         if path.name != _LOCK and not _DRAFT.fullmatch(path.name):
+            if (folder / _PROTOCOL).exists():  # another process has just written it
+                return
             raise OptionError(
                 f"store = {str(folder)!r} is no store, and not empty: it holds {path.name!r} and no"
                 f" {_PROTOCOL}; give a new folder"

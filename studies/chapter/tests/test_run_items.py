@@ -195,6 +195,7 @@ def pieces(terminal):
 
 
 @posix
+@pytest.mark.slow
 def test_progress_is_for_terminals(tmp_path):
     """A bar where messages go to one; a pipe gets none, see above."""
     import pty

@@ -139,6 +139,7 @@ def test_a_signal_reads_the_same_on_both_sides_of_a_swap():
     assert not shaken.mirror.half_period
 
 
+@pytest.mark.slow
 def test_the_full_rotor_in_its_ring():
     """Every cell that holds a point has an image on the other side of the ring."""
     rotor = ns.models.rotor(eps_x=0)
