@@ -138,13 +138,14 @@ def lyapunov_spectrum(
     Strong contraction alone stays a number, however fast.
 
     Standard errors come from the averages of 32 blocks of the record, or a few more, each a
-    whole number of intervals; ``blocks_independent`` says whether neighbouring blocks are
-    uncorrelated, below two over the root of their number. Where they are not, take a longer
-    record. Standard errors do not see a transient that was too short. Two checks do. The largest
-    exponents of both halves of the record are compared. And a motion with an exponent above zero
-    is run on for ``confirm`` periods, at the end of which its exponents are taken again over half
-    as many periods as ``record``. Where the halves differ, or the motion repeats, ends or has
-    another exponent later, the attribute ``settled`` is 0, and a warning and the message say why.
+    whole number of intervals, and are no smaller than what a cycle that the record cuts off leaves
+    open; ``blocks_independent`` says whether neighbouring blocks are uncorrelated, below two over
+    the root of their number. Where they are not, take a longer record. Standard errors do not see a
+    transient that was too short. Two checks do. The largest exponents of both halves of the record
+    are compared. And a motion with an exponent above zero is run on for ``confirm`` periods, at the
+    end of which its exponents are taken again over half as many periods as ``record``. Where the
+    halves differ, or the motion repeats, ends or has another exponent later, the attribute
+    ``settled`` is 0, and a warning and the message say why.
 
     No finite run tells chaos from a longer transient. ``chaotic_for`` tells for how many periods
     the motion was chaotic without an end: up to the record behind ``confirm``, or without it up to

@@ -99,7 +99,8 @@ class Work:
             waited = True
             time.sleep(_LOOK)
         try:
-            if waited and (written := open_whole(target)):
+            # one that was interrupted does not put a part in place of the whole
+            if (waited or not complete) and (written := open_whole(target)):
                 return written
             size = self.count * self.lane_bytes
             return dataset_in_file(frame, self._chunks(store), size, complete, target)
