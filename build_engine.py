@@ -25,6 +25,7 @@ from typing import NamedTuple
 ENGINE = Path(__file__).resolve().parent / "src" / "nonsmooth" / "engine"
 SOURCES = ENGINE / "native"
 DECLARATIONS = ENGINE / "_declarations.py"
+DEVICE_SOURCE = ENGINE / "_device.cu"
 
 # Contraction of products and sums is a matter of the processor: without it all builds give the same
 # digits. Optimisations that assume finite numbers, or change the order of sums, would break the
@@ -109,7 +110,7 @@ def sources_hash() -> str:
     """Hash of the sources and of this file, which has the flags that they are compiled with."""
     digest = hashlib.sha256(Path(__file__).read_bytes())
     for path in sorted(SOURCES.iterdir()):
-        if path.suffix in (".h", ".hpp", ".cpp"):
+        if path.suffix in (".h", ".hpp", ".cpp", ".cu"):
             digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -145,6 +146,32 @@ def write_declarations() -> None:
         made = Path(folder) / "declarations.py"
         ffi.emit_python_code(str(made))
         _replace(made, DECLARATIONS)
+
+
+def device_source() -> str:
+    """The kernels for graphics devices as one text, which their compiler reads without files.
+
+    Headers of the C++ library stand where there is one; elsewhere device_standard.hpp does for them.
+    """
+    standard: list[str] = []
+    known: set[str] = set()
+
+    def text_of(name: str) -> str:
+        known.add(name)
+        lines = []
+        for line in (SOURCES / name).read_text().splitlines():
+            if found := re.match(r'#include "(.*)"', line):
+                if found[1] not in known:
+                    lines.append(text_of(found[1]))
+            elif line.startswith("#include <"):
+                standard.append(line)
+            elif line != "#pragma once":
+                lines.append(line)
+        return "\n".join(lines)
+
+    body, own = text_of("device.cu"), text_of("device_standard.hpp")
+    headers = "\n".join(sorted(set(standard)))
+    return f"#ifdef __CUDACC_RTC__\n{own}\n#else\n{headers}\n#endif\n{body}\n"
 
 
 def _replace(made: Path, target: Path) -> None:
@@ -188,7 +215,8 @@ def build() -> list[Path]:
         if aim.zig or not is_current(made[-1]):
             compile_library(made[-1], flags, aim)
     write_declarations()
-    return [*made, DECLARATIONS]
+    DEVICE_SOURCE.write_text(device_source())
+    return [*made, DECLARATIONS, DEVICE_SOURCE]
 
 
 def is_current(path: Path) -> bool:

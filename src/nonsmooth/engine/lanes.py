@@ -32,6 +32,7 @@ __all__ = [
     "WORK",
     "Anchor",
     "Lane",
+    "LaneTask",
     "Records",
     "Segment",
     "Tangent",
@@ -288,7 +289,7 @@ def lane_tangents(tangent: Tangent, count: int) -> Tangent:
 
 
 @dataclass(frozen=True, eq=False)
-class _Task(Record):
+class LaneTask(Record):
     struct: ClassVar[str] = "LaneTask"
 
     modes: Integers
@@ -339,7 +340,7 @@ def run_lanes(
     PAUSED, after so much work (call again)
     returns: the first lane that is not run, or the one that is paused
     """
-    task = _Task(
+    task = LaneTask(
         modes, first, last, int(end_number), float(end_phase), passed, statuses, tolerance, work,
         most_events,
     )  # fmt: skip

@@ -13,11 +13,9 @@
 #include <array>
 
 #include "records.hpp"
+#include "vectors.hpp"
 
 namespace nonsmooth {
-
-typedef double FourVector __attribute__((vector_size(32), aligned(8), may_alias));
-typedef double TwoVector __attribute__((vector_size(16), aligned(8), may_alias));
 
 // 1/k for k > 0
 constexpr auto one_over = [] {

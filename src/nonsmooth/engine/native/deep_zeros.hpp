@@ -132,7 +132,7 @@ inline DeepStart look_deep(const Tables& tables, const Segment& segment, Index m
     const double fastest = tables.spans[m].fastest;
     DeepSeries series{{}, {}, fastest * reach > 1.0 ? 1.0 / fastest : reach,
                       deep_count(slot_counts(tables, m).count)};
-    if (tables.kinds[m] == TAYLOR) {
+    if (is_taylor(tables, m)) {
         taylor::fill_deep_series(tables, segment, m, g, series);
     } else {
         linear::fill_deep_series(tables, segment, m, g, series);

@@ -50,7 +50,7 @@ inline Outlook leave_deep_zero(GuardScan& guard, const DeepStart& start) {
 inline bool rounding_hides(const Search& search, Index g, Index order) {
     const Tables& tables = search.tables;
     const Index m = search.m;
-    if (tables.kinds[m] == TAYLOR) {
+    if (is_taylor(tables, m)) {
         return taylor::hides_term(search.segment, guard_outlet(tables, m, g), order, search.length);
     }
     const double coefficient = std::fabs(search.segment.scan[g].a[order]);
@@ -191,7 +191,7 @@ inline bool is_precise(const Search& search, const GuardScan& guard) {
 // counts where it hides what the guard does, or its root.
 inline bool asks_for_restart(const Search& search, const Look& look) {
     const Tables& tables = search.tables;
-    if (look.which < 0 || tables.kinds[search.m] != TAYLOR) return false;
+    if (look.which < 0 || !is_taylor(tables, search.m)) return false;
     if (!(search.s > least_before_restart * search.length)) return false;
     const GuardScan& guard = search.segment.scan[look.which];
     const bool is_root = look.outlook == Outlook::open && guard.latest < no_root_known;
@@ -209,7 +209,7 @@ inline Crossing root_or_restart(const Search& search, Index which, const Crossin
     const Tables& tables = search.tables;
     const Segment& segment = search.segment;
     const Index m = search.m;
-    if (tables.kinds[m] != TAYLOR) return root;
+    if (!is_taylor(tables, m)) return root;
     GuardScan& guard = segment.scan[which];
     if (root.found == Found::certified && is_precise(search, guard)) return root;
     const double here = root.found == Found::certified

@@ -17,7 +17,7 @@ namespace nonsmooth {
 // Prepare a segment at segment.z; returns its length, at most longest.
 inline double start_segment(const Tables& tables, const Rates& rates, const Segment& segment,
                             Index m, double longest) {
-    if (tables.kinds[m] == TAYLOR) return taylor::start_step(tables, rates, segment, m, longest);
+    if (is_taylor(tables, m)) return taylor::start_step(tables, rates, segment, m, longest);
     *segment.is_estimated = 0;
     const double length = std::min(longest, tables.spans[m].longest);
     linear::start_segment(tables, segment, m, length);
@@ -26,7 +26,7 @@ inline double start_segment(const Tables& tables, const Rates& rates, const Segm
 
 // Go to the point s of the segment.
 inline void advance(const Tables& tables, const Segment& segment, Index m, double s) {
-    if (tables.kinds[m] == TAYLOR) {
+    if (is_taylor(tables, m)) {
         *segment.point = s;
     } else {
         linear::advance(tables, segment, m, s);
@@ -41,7 +41,7 @@ inline void climb(const Tables& tables, const Segment& segment, Index m, Index r
 // Go from s to s + step, which is close.
 inline void advance_little(const Tables& tables, const Segment& segment, Index m, double s,
                            double step) {
-    if (tables.kinds[m] == TAYLOR) {
+    if (is_taylor(tables, m)) {
         *segment.point = s + step;
     } else {
         linear::advance_little(tables, segment, m, s, step);
@@ -53,7 +53,7 @@ inline void advance_little(const Tables& tables, const Segment& segment, Index m
 // order is that of its known zero there, 0 where there is none.
 inline void read_guard(const Tables& tables, const Segment& segment, Index m, Index g,
                        Index order) {
-    if (tables.kinds[m] == TAYLOR) {
+    if (is_taylor(tables, m)) {
         taylor::read_guard(tables, segment, m, g);
     } else {
         linear::read_guard(tables, segment, m, g, order);
@@ -62,7 +62,7 @@ inline void read_guard(const Tables& tables, const Segment& segment, Index m, In
 
 // States (n,) at the current point.
 inline void state_at(const Tables& tables, const Segment& segment, Index m, double* out) {
-    if (tables.kinds[m] == TAYLOR) {
+    if (is_taylor(tables, m)) {
         taylor::state_at(segment, *segment.point, out, tables.n());
     } else {
         linear::state_at(tables, segment, m, out);

@@ -33,7 +33,7 @@ inline bool is_polynomial(const Tables& tables, Index m, const Cluster& cluster)
 
 // Whether mode m flies freely; columns of derivatives have frames that serve for a window.
 inline bool may_fly(const Tables& tables, const Tangent& tangent, Index m) {
-    if (tables.kinds[m] == TAYLOR || tangent.carries()) return false;
+    if (is_taylor(tables, m) || tangent.carries()) return false;
     if (mode_wiring(tables, m).n_exits > 0 || tables.signals.size() > 0) return false;
     const SlotCounts& slots = slot_counts(tables, m);
     for (Index j = 0; j < slots.end_damped; ++j) {

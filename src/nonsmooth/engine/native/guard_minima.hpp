@@ -44,7 +44,7 @@ inline GuardPoint guard_at(const WatchedStep& step, Index g, double s) {
     const Segment& segment = step.segment;
     const Index m = step.m, size = tables.size();
     advance(tables, segment, m, s);
-    if (tables.kinds[m] == TAYLOR) {
+    if (is_taylor(tables, m)) {
         read_guard(tables, segment, m, g, 0);
         const GuardScan& scan = segment.scan[g];
         return {scan.a[0], scan.a[1], 2.0 * scan.a[2]};
@@ -119,7 +119,7 @@ inline int looks_of_step(const Tables& tables, Index m, double length) {
     constexpr int of_series = 6;
     constexpr double in_window = 64.0;  // and at least that many in a leg of an exact mode:
     constexpr int fewest = 32;
-    if (tables.kinds[m] == TAYLOR) return of_series;
+    if (is_taylor(tables, m)) return of_series;
     return std::max(fewest, static_cast<int>(in_window * length / tables.clock.window) + 1);
 }
 

@@ -112,7 +112,7 @@ struct Leftover {
 
 inline Leftover leftover_of(const Tables& tables, Index m, double size) {
     constexpr double rounding = 32.0 * 2.220446049250313e-16;
-    if (tables.kinds[m] == TAYLOR || !is_curved(tables, m)) return {0.0, 0.0};
+    if (is_taylor(tables, m) || !is_curved(tables, m)) return {0.0, 0.0};
     return {rounding * size, 2.0 * tables.spans[m].fastest};  // of a product of two motions
 }
 

@@ -17,6 +17,7 @@ enum {
     MAX_DEGREE = 32, /* of the polynomial in s that multiplies exp(mu s) in a cluster */
     SET_WORDS = 8,   /* of 64 bits, in a set of coordinates */
     MAX_AUGMENTED = 512, /* coordinates: the bits of a set */
+    MAX_ON_DEVICE = 32,  /* coordinates of a system that a graphics device runs */
     WINDOWS = 2,     /* that a segment may last */
     ORDER = 20,      /* of Taylor series of the motion; near the best for double precision */
     LANES = 8,       /* directions of derivatives side by side: the numbers of a long vector */
@@ -527,6 +528,10 @@ void nonsmooth_choose_kernels(const Array(Instruction, 1) *code, const Array(Ter
  * NOT_CONVERGED; place (2,) is the mode where that happened (-1: the clock), sets done before. */
 int64_t nonsmooth_set_up(const Program *program, const Array(double, 2) *parameters,
                          const TableStack *stack, int64_t *place);
+
+/* Make what runs otherwise make when they first use it, so that they only read the tables: lanes that
+ * run at the same time on one device share them. */
+void nonsmooth_complete_tables(const TableStack *stack);
 
 /* Fill the derivatives for the parameter values (p,) for which the one table was set up. Returns
  * COMPLETED, or NOT_FINITE with the place in `chosen` of the parameter without a derivative. */

@@ -13,6 +13,7 @@
 #include "ladder.hpp"
 #include "records.hpp"
 #include "trigonometry.hpp"
+#include "vectors.hpp"
 
 namespace nonsmooth {
 
@@ -61,13 +62,13 @@ inline Slot slot_at_start(const Tables& tables, const Segment& segment, Index m,
                           double reach) {
     // a motion that has faded so far loses its digits, and is gone
     constexpr double faded = 1e-290;
-    typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
     const Weight* weights = &tables.entry(m, j, 0);
     const double* z = segment.z.data;
-    Four sum{};
+    FourVector sum{};
     for (Index i = tables.reads(m, j); i < segment.z.size(); ++i) {
         const double size = std::fabs(z[i]);
-        sum += *reinterpret_cast<const Four*>(&weights[i]) * Four{z[i], z[i], size, size};
+        const FourVector factors{z[i], z[i], size, size};
+        sum += *reinterpret_cast<const FourVector*>(&weights[i]) * factors;
     }
     Slot slot{sum[0], sum[1], 0.0, sum[2]};
     slot.size = std::sqrt(slot.re * slot.re + slot.im * slot.im);

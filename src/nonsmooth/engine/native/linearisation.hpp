@@ -102,7 +102,7 @@ inline void linearise(const Tables& tables, const Rates& rates, const View<Serie
     const Index n = tables.n(), n_exits = tables.n_exits();
     place_point(tables, z, series, dual);
     fill_with_duals(tables, rates, series, dual, m, tables.code_rows[m].end, 0, 0);
-    if (tables.kinds[m] == TAYLOR) write_flow(tables, rates, series, dual, m, z);
+    if (is_taylor(tables, m)) write_flow(tables, rates, series, dual, m, z);
     const auto write = [&](Index place, Index outlet) {
         write_row(tables, &tables.affine(m, place, 0), series[outlet].c[0], dual[outlet], 0, 1.0,
                   z);

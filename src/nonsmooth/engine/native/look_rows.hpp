@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ladder.hpp"
 #include "motion_rows.hpp"
 #include "records.hpp"
 #include "scratch.hpp"
@@ -129,6 +130,15 @@ inline void make_level(const Tables& tables, Index m, Index level) {
     for (Index j = slots.end_fading; j < slots.end_damped; ++j) fill_row(tables, m, level, j);
     for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) fill_look_noise(tables, m, g, level);
     spans.made_levels |= int64_t(1) << level;
+}
+
+// Make the rungs of the ladders and the levels of looks of all modes that have them.
+inline void complete_tables(const Tables& tables) {
+    for (Index m = 0; m < tables.n_modes(); ++m) {
+        if (is_taylor(tables, m)) continue;
+        for (Index rung = 0; rung < RUNGS; ++rung) rung_of_ladder(tables, m, rung);
+        for (Index level = 0; level < tables.spans[m].looks; ++level) make_level(tables, m, level);
+    }
 }
 
 // Say whether mode m has looks by signs, behind its slots and weights.

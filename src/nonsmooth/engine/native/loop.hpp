@@ -65,7 +65,7 @@ inline bool step_fails(const Run& run, const SegmentTimes& times) {
     constexpr double shortest = 1e-14;
     const double scale = std::min(run.tables.clock.window, times.end) + run.anchor.phase;
     const bool long_enough = times.length == times.longest || times.length > shortest * scale;
-    return run.tables.kinds[run.anchor.place.mode] == TAYLOR && !long_enough;
+    return is_taylor(run.tables, run.anchor.place.mode) && !long_enough;
 }
 
 // Count a step; whether too many in a row were so short that nothing but they limits them.
@@ -127,7 +127,7 @@ inline Status status_of_stuck(const Run& run, double s) {
     // a flight too short to be told from none is the end of accumulating impacts
     const bool brief = s <= no_time * run.tables.clock.window;
     if (brief && run.records.counters.window_events > few) return EVENT_LIMIT;
-    return run.tables.kinds[run.anchor.place.mode] == TAYLOR ? SINGULAR : STEP_LIMIT;
+    return is_taylor(run.tables, run.anchor.place.mode) ? SINGULAR : STEP_LIMIT;
 }
 
 // State and columns at s of the segment, the current point; false where the state diverges.
@@ -164,7 +164,7 @@ inline void move_anchor(const Run& run, const SegmentTimes& times) {
 inline SegmentEnd go_on_behind(const Run& run, const SegmentTimes& times) {
     const Tables& tables = run.tables;
     const Index m = run.anchor.place.mode;
-    if (tables.kinds[m] == TAYLOR && creeps(run, times)) {
+    if (is_taylor(tables, m) && creeps(run, times)) {
         run.anchor.phase += times.length;
         return ends_with(STEP_LIMIT);
     }

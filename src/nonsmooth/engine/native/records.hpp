@@ -142,9 +142,22 @@ inline Index vanishing_outlet(const Tables& tables, Index m, Index i) {
     return tables.outlets(m, n + n_exits + n_exits * n + i);
 }
 
+// Whether this build runs modes that have series, and derivatives: a device runs closed forms only.
+#ifdef NONSMOOTH_DEVICE
+constexpr bool has_series = false;
+constexpr Index most_augmented = MAX_ON_DEVICE;  // each thread has memory for as many
+#else
+constexpr bool has_series = true;
+constexpr Index most_augmented = MAX_AUGMENTED;
+#endif
+
+inline bool is_taylor(const Tables& tables, Index m) {
+    return has_series && tables.kinds[m] == TAYLOR;
+}
+
 // Whether rows of a mode hold at an instant only: a Taylor mode, or one with curved exits.
 inline bool is_curved(const Tables& tables, Index m) {
-    return tables.code_rows[m].end > tables.code_rows[m].first;
+    return has_series && tables.code_rows[m].end > tables.code_rows[m].first;
 }
 
 inline Index first_of_signals(const Sizes& sizes) {
@@ -185,8 +198,8 @@ struct Tangent {
     View<double, 2> growth_samples;
 
     Index count() const { return columns.shape[0]; }
-    bool carries() const { return count() > 0; }
-    bool measures() const { return growth.size() > 0; }
+    bool carries() const { return has_series && count() > 0; }
+    bool measures() const { return has_series && growth.size() > 0; }
 };
 
 inline Tangent tangent_at(const Tangents& tangents, Index lane) {

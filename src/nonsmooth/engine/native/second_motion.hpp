@@ -55,7 +55,7 @@ inline Index count_surfaces(const Tables& tables, Index m, const View<int64_t, 1
 
 // A derivative of the coordinates along the motion of a mode, and the sizes of its terms.
 struct MotionDerivative {
-    double value[MAX_AUGMENTED], size[MAX_AUGMENTED];
+    double value[most_augmented], size[most_augmented];
 };
 
 // From one derivative to the next; exact where rates are linear, up to the second one elsewhere.
@@ -75,7 +75,7 @@ inline void differentiate(const Tables& tables, Index m, MotionDerivative& motio
 // Whether motions in two modes whose rows are up to date at z part by their rates, or the rates of
 // these.
 inline bool rates_part(const Tables& tables, Index m, Index other, const double* z) {
-    const bool curved = tables.kinds[m] == TAYLOR || tables.kinds[other] == TAYLOR;
+    const bool curved = is_taylor(tables, m) || is_taylor(tables, other);
     const Index most = curved ? 2 : DERIVATIVES;
     MotionDerivative here, there;
     for (Index i = 0; i < tables.size(); ++i) {

@@ -5,20 +5,9 @@
 #pragma once
 
 #include "records.hpp"
+#include "vectors.hpp"
 
 namespace nonsmooth {
-
-// As many numbers as LANES, which the compiler splits where registers are shorter.
-typedef double LaneVector __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
-
-// As many numbers as a register holds: gcc keeps what loops add up in memory if it is longer.
-#ifdef __AVX__
-constexpr Index register_width = 4;
-#else
-constexpr Index register_width = 2;
-#endif
-typedef double RegisterVector
-    __attribute__((vector_size(8 * register_width), aligned(8), may_alias));
 
 inline const LaneVector& vector_of(const Lanes& lanes) {
     return *reinterpret_cast<const LaneVector*>(lanes.lane);

@@ -125,7 +125,7 @@ inline void linearise_at_rest(const Tables& tables) {
     augmented(tables, 0, 0.0, &z[0]);
     fill_first_pieces(tables, &z[0]);
     for (Index m = 0; m < tables.n_modes(); ++m) {
-        if (tables.kinds[m] != TAYLOR || mode_wiring(tables, m).kind != FREE) continue;
+        if (!is_taylor(tables, m) || mode_wiring(tables, m).kind != FREE) continue;
         linearise(tables, none, series, dual, m, &z[0]);
         if (all_finite(tables.generator[m])) continue;
         for (Index i = 0; i < tables.n(); ++i) {
@@ -191,7 +191,7 @@ inline SetUpEnd fill_motions(const Program& program, const Tables& tables) {
     tables.clock = clock_of_window(window, is_period, program.spacing);
     if (!count_turns(tables)) return {NOT_FINITE, -1};
     for (Index m = 0; m < n_modes; ++m) {
-        if (tables.kinds[m] == EXACT) fill_mode(tables, m, form_of(m));
+        if (!is_taylor(tables, m)) fill_mode(tables, m, form_of(m));
     }
     return {COMPLETED, 0};
 }

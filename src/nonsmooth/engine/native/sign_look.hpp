@@ -97,11 +97,11 @@ inline Sixteen read_coefficients(const LookedAt& at, const GuardWeights* weights
         add_row(by_im * at.now[j].re - by_re * at.now[j].im, rows[j].im, sum);
     }
     const double constant = add_powers(at, weights, look_step(at.rung, level), sum);
-    const double value = order == 0 ? sum.part[0][0] + constant : 0.0;
-    const double slope = order <= 1 ? sum.part[0][1] : 0.0;
+    const FirstTwo first = take_first_two(sum);
+    const double value = order == 0 ? first.zeroth + constant : 0.0;
+    const double slope = order <= 1 ? first.first : 0.0;
     constexpr double places[bernstein_count] = {0, 1, 2,  3,  4,  5,  6,  7,
                                                 8, 9, 10, 11, 12, 13, 14, 15};
-    sum.part[0][0] = sum.part[0][1] = 0.0;
 #pragma GCC unroll 8
     for (Index p = 0; p < Sixteen::parts; ++p) {
         sum.part[p] += in_all(value) + in_all(slope) * register_at(places + p * register_width);

@@ -182,7 +182,7 @@ inline SignOutcome follow_fall(Search& search, Index which, Index level, const S
 // Look by signs from search.s on, and step as far as they tell.
 inline SignOutcome step_by_signs(Search& search, Crossing& crossing) {
     constexpr Index looks_between = 2;
-    if (search.tables.kinds[search.m] != EXACT || search.tables.spans[search.m].looks == 0) {
+    if (is_taylor(search.tables, search.m) || search.tables.spans[search.m].looks == 0) {
         return SignOutcome::open;
     }
     if (search.wait > 0) {

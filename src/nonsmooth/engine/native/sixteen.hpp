@@ -5,11 +5,9 @@
 #pragma once
 
 #include "bernstein.hpp"
-#include "series_sums.hpp"
+#include "vectors.hpp"
 
 namespace nonsmooth {
-
-typedef int64_t RegisterMask __attribute__((vector_size(8 * register_width), may_alias));
 
 struct Sixteen {
     static constexpr Index parts = bernstein_count / register_width;
@@ -67,6 +65,23 @@ inline double sum_of(const Sixteen& a) {
     return (four[0] + four[1]) + (four[2] + four[3]);
 }
 
+struct FirstTwo {
+    double zeroth, first;
+};
+
+// Numbers 0 and 1, in whose places zeros are left.
+inline FirstTwo take_first_two(Sixteen& a) {
+#ifdef NONSMOOTH_DEVICE
+    double &zeroth = a.part[0], &first = a.part[1];
+    const FirstTwo taken{zeroth, first};
+    zeroth = first = 0.0;
+#else
+    const FirstTwo taken{a.part[0][0], a.part[0][1]};
+    a.part[0][0] = a.part[0][1] = 0.0;
+#endif
+    return taken;
+}
+
 // Entry 4 i + j is fours[i] ones[j].
 inline Sixteen outer_product(const double* fours, const double* ones) {
     constexpr Index apart = 4 / register_width;
@@ -81,7 +96,9 @@ inline Sixteen outer_product(const double* fours, const double* ones) {
 
 // One bit for each number of a mask.
 inline unsigned bits_of(RegisterMask mask) {
-#if defined(__AVX__)
+#if defined(NONSMOOTH_DEVICE)
+    return mask ? 1U : 0U;
+#elif defined(__AVX__)
     typedef double Register __attribute__((vector_size(32)));
     return static_cast<unsigned>(__builtin_ia32_movmskpd256((Register)mask));
 #elif defined(__SSE2__)

@@ -141,6 +141,7 @@ inline NewtonStep newton_step(const Tables& tables, const Segment& segment, Inde
 // A step is halved where the next one would be much longer. Only the states that are solved for
 // change.
 inline bool settle(const Tables& tables, const Rates& rates, const Segment& segment, Index m) {
+    if (!has_series) return false;  // equations to be solved are series
     constexpr int most_steps = 60;
     constexpr double quadratic = 1e-9;  // a step of this part of the terms leaves its square
     constexpr double most_growth = 4.0;  // of a step: far from a solution steps may grow

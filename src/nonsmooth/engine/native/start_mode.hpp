@@ -55,7 +55,7 @@ inline void fill_sizes_ahead(const Run& run, Index m) {
     double *rate = run.segment.mark.data, *size = run.segment.scale.data;
     const double window = tables.clock.window;
     double turn = window;  // time in which stiff forces turn a motion round
-    if (tables.kinds[m] != TAYLOR && tables.spans[m].fastest > 0.0) {
+    if (!is_taylor(tables, m) && tables.spans[m].fastest > 0.0) {
         turn = std::min(turn, 1.0 / tables.spans[m].fastest);
     }
     fill_velocity(tables, m, z, rate);

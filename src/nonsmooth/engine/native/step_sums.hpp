@@ -10,10 +10,9 @@
 
 #include "convolutions.hpp"
 #include "records.hpp"
+#include "vectors.hpp"
 
 namespace nonsmooth {
-
-typedef int64_t FourBits __attribute__((vector_size(32), aligned(8), may_alias));
 
 // Powers of a time: s, s^2, s^3, s^4 side by side.
 struct TimePowers {
@@ -26,10 +25,6 @@ struct TimePowers {
         first = FourVector{s, square, square * s, fourth};
     }
 };
-
-inline FourVector sizes_of(FourVector numbers) {
-    return reinterpret_cast<FourVector>(reinterpret_cast<FourBits>(numbers) & INT64_MAX);
-}
 
 inline double sum_of_four(FourVector v) { return (v[0] + v[2]) + (v[1] + v[3]); }
 

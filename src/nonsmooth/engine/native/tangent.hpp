@@ -35,7 +35,7 @@ inline void complete_columns(const Tables& tables, const Rates& rates, const Tan
 // Columns after s of the present segment, into tangent.now; orthonormal where growth is measured.
 inline void carry(const Tables& tables, const Rates& rates, const Columns& scratch,
                   const Segment& segment, const Tangent& tangent, Index m, double s) {
-    const bool is_exact = tables.kinds[m] == EXACT;
+    const bool is_exact = !is_taylor(tables, m);
     if (tangent.measures()) {
         if (is_exact) {
             measure_exactly(tables, rates, scratch, segment, tangent, m, s);

@@ -18,7 +18,7 @@ inline Index watched_rows(const Tables& tables, Index m) {
 inline int64_t work_of_look(const Tables& tables, Index m) {
     constexpr int64_t per_look = 60, per_slot = 16, per_shift = 12 * (ORDER + 1);
     const int64_t rows = watched_rows(tables, m);
-    if (tables.kinds[m] == TAYLOR) return (1 + rows) * (per_look + per_shift);
+    if (is_taylor(tables, m)) return (1 + rows) * (per_look + per_shift);
     return (1 + rows) * (per_look + per_slot * slot_counts(tables, m).count);
 }
 
@@ -34,7 +34,7 @@ inline int64_t work_of_segment(const Tables& tables, const Tangent& tangent, Ind
     constexpr int64_t per_segment = 200;
     const int64_t size = tables.size(), n_columns = tangent.count();
     const int64_t of_events = (1 + watched_rows(tables, m)) * size * size;
-    if (tables.kinds[m] == TAYLOR) {
+    if (is_taylor(tables, m)) {
         const int64_t of_columns = 2 * LANES * n_blocks(n_columns) * work_of_series(tables, m);
         return per_segment + of_events + work_of_series(tables, m) + of_columns;
     }
@@ -45,7 +45,7 @@ inline int64_t work_of_segment(const Tables& tables, const Tangent& tangent, Ind
 inline int64_t work_of_sample(const Tables& tables, const Tangent& tangent, Index m) {
     constexpr int64_t per_slot = 20;
     const int64_t size = tables.size(), n_columns = tangent.count();
-    if (tables.kinds[m] == TAYLOR) return 2 * (ORDER + 1) * (1 + n_columns) * size;
+    if (is_taylor(tables, m)) return 2 * (ORDER + 1) * (1 + n_columns) * size;
     return (per_slot + size) * size + 8 * n_columns * size * size;
 }
 
