@@ -74,6 +74,7 @@ if TYPE_CHECKING:
     from nonsmooth.explorer.explore import explore
     from nonsmooth.fitting.fit import fit
     from nonsmooth.fitting.posterior import posterior
+    from nonsmooth.runs.devices import use_device
     from nonsmooth.runs.poincare_map import PoincareMap
     from nonsmooth.runs.simulate import simulate
     from nonsmooth.runs.stroboscopic_map import StroboscopicMap
@@ -153,6 +154,7 @@ __all__ = [
     "structures",
     "tie_parameters",
     "uncertainty_exponent",
+    "use_device",
     "wada_test",
     "waterfall",
     "zero_one_test",
@@ -227,6 +229,7 @@ _HOME = {
     "stroboscopic_map": "nonsmooth.analysis.stroboscopic_map",
     "tie_parameters": "nonsmooth.analysis.tie_parameters",
     "uncertainty_exponent": "nonsmooth.analysis.uncertainty_exponent",
+    "use_device": "nonsmooth.runs.devices",
     "wada_test": "nonsmooth.analysis.wada_test",
     "waterfall": "nonsmooth.analysis.waterfall",
     "zero_one_test": "nonsmooth.analysis.zero_one_test",

@@ -290,6 +290,8 @@ def lane_tangents(tangent: Tangent, count: int) -> Tangent:
 
 @dataclass(frozen=True, eq=False)
 class LaneTask(Record):
+    """What a call of `run_lanes` is to do."""
+
     struct: ClassVar[str] = "LaneTask"
 
     modes: Integers

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.derivatives import no_rates, no_scratch
+from nonsmooth.engine.device import DeviceLanes
 from nonsmooth.engine.lanes import (
     ANY,
     GOES_ON,
@@ -30,6 +31,7 @@ from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.crew import Stopped
+from nonsmooth.runs.devices import device_for
 from nonsmooth.runs.event_log import EventLog
 from nonsmooth.runs.runner import advance, build_tables
 from nonsmooth.system.system import System
@@ -43,6 +45,10 @@ _ALL = slice(None)
 _NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
 _FIRST_EVENTS = 256  # rows of an event log to begin with
 _TOGETHER = 4096  # windows in one call of a kernel, over all its lanes
+_ON_DEVICE = 2**27  # the same of a graphics device, some seconds of work
+# lanes, of which fewer run faster on the processor: a thread of a device takes hundreds of times as
+# long for a window
+_LEAST_ON_DEVICE = 2048
 
 
 class Lanes(NamedTuple):
@@ -72,6 +78,8 @@ class LaneRunner:
         self.system = system
         self.tolerance = tolerance
         self.tables = build_tables(system)
+        self._device = device_for(system)
+        self._on_device: DeviceLanes | None = None
         self.sizes = self.tables.sizes
         self.rates, self.scratch = no_rates(), no_scratch()
         self.segment = allocate_segment(self.sizes)
@@ -84,7 +92,7 @@ class LaneRunner:
 
     def set_up(self, values: dict[str, float]) -> None:
         """Take other values of the parameters; `ModelError` where they make no sense."""
-        self.tables = build_tables(self.system, values)
+        self.tables, self._on_device = build_tables(self.system, values), None
 
     def start(self, states: Floats, begin: Instant, modes: Integers | int = ANY) -> Lanes:
         """Lanes that begin at some states.
@@ -123,7 +131,8 @@ class LaneRunner:
         states = np.full((count, numbers.size, n), np.nan)
         modes = np.full((count, numbers.size), -1, np.int64)
         windows = max(1, end.number - int(lanes.anchors.place["number"].min(initial=end.number)))
-        size = max(1, _TOGETHER // windows)
+        on_device = self._device is not None and alive.size >= _LEAST_ON_DEVICE
+        size = max(1, (_ON_DEVICE if on_device else _TOGETHER) // windows)
         for first in range(0, alive.size, size):
             chosen = alive[first : first + size]
             states[chosen], modes[chosen] = self._run_some(
@@ -148,10 +157,14 @@ class LaneRunner:
         tangent = self._tangents(count)
         how, statuses = lanes.mode[chosen], np.empty(count, np.int64)
         stack, passed = self.tables.as_lanes, np.zeros(2, np.int64)
+        device = self._lanes_on_device(count)
         first = 0
         while first < count:
             if stop is not None and stop.is_set():
                 raise Stopped
+            if device is not None:
+                device.run(anchors, records, how, end, statuses, self.tolerance)
+                break
             first = run_lanes(
                 stack, self.rates, self.scratch, anchors, self.segment, tangent, records,
                 how, first, count, end.number, end.phase, passed, statuses, self.tolerance,
@@ -163,6 +176,14 @@ class LaneRunner:
         lanes.estimated[chosen] += records.counters["estimated"]
         lanes.since[chosen] = records.since
         return records.sample_state, records.sample_mode
+
+    def _lanes_on_device(self, count: int) -> DeviceLanes | None:
+        """What runs so many lanes on a device, None where the processor does."""
+        if self._device is None or count < _LEAST_ON_DEVICE:
+            return None
+        if self._on_device is None:
+            self._on_device = DeviceLanes(self._device, self.tables)
+        return self._on_device
 
     def record(
         self, lanes: Lanes, i: int, numbers: Integers, phases: Floats

@@ -13,12 +13,14 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.derivatives import no_rates, no_scratch
+from nonsmooth.engine.device import Device, DeviceSweep
 from nonsmooth.engine.lanes import Anchor, allocate_segment, allocate_tangent, lane_anchors
 from nonsmooth.engine.record import Rows, dtype_of
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.sweeps import allocate_sweep, run_sweep
+from nonsmooth.engine.sweeps import Sweep, allocate_sweep, run_sweep
 from nonsmooth.engine.tables import Tables, allocate_stack, set_up
 from nonsmooth.runs.crew import Stopped
+from nonsmooth.runs.devices import device_for
 from nonsmooth.system.system import System
 
 __all__ = ["Motions", "Recorded", "SweepRunner", "SweepStarts", "Times"]
@@ -28,6 +30,8 @@ Integers = npt.NDArray[np.int64]
 
 _MOST = 16  # motions in one call, a few milliseconds of work
 _BYTES = 2**25  # of their tables
+_MOST_ON_DEVICE, _ON_DEVICE = 2**15, 2**30  # the same of a graphics device
+_LEAST_ON_DEVICE = 512  # motions, of which fewer run faster on the processor
 _FIRST_EVENTS = 4096  # rows of the logs of all motions, to begin with
 _RATES, _SCRATCH = no_rates(), no_scratch()
 
@@ -107,16 +111,19 @@ class SweepRunner:
         self._program = system.compiled.program
         self._sizes = self._program.sizes
         one = allocate_stack(self._program, 1)
-        self.most = int(np.clip(_BYTES // one.n_bytes, 1, _MOST))  # sets at a time
+        self._device = device_for(system)
+        most, size = (_MOST, _BYTES) if self._device is None else (_MOST_ON_DEVICE, _ON_DEVICE)
+        self.most = int(np.clip(size // one.n_bytes, 1, most))  # sets at a time
         self._room = one if self.most == 1 else allocate_stack(self._program, self.most)
         self._stack = self._room
+        self._on_device: DeviceSweep | None = None
         self.segment = allocate_segment(self._sizes)
         self._tangent = allocate_tangent(self._sizes, -1, 0).as_lanes
 
     def set_up(self, values: Floats) -> npt.NDArray[np.bool_]:
         """Take sets of parameter values, (K, p); which of them have tables."""
         count = len(values)
-        self._stack = self._room.part(slice(count))
+        self._stack, self._on_device = self._room.part(slice(count)), None
         done = np.zeros(count, bool)
         first = 0
         while first < count:
@@ -180,15 +187,15 @@ class SweepRunner:
             sweep.statuses[~chosen] = Status.REFUSED
         ran = sweep.statuses == Status.COMPLETED
         stack = self._stack if sets is None else self._stack.part(sets)
-        status = Status.PAUSED
-        while status != Status.COMPLETED:
-            if stop is not None and stop.is_set():
-                raise Stopped
-            if status == Status.BUFFER_FULL:
-                sweep = sweep.enlarged()
-            status = run_sweep(
-                stack, _RATES, _SCRATCH, motions.anchors, self.segment, self._tangent, sweep
-            )
+        if (
+            self._device is not None
+            and follows is None
+            and sets is None
+            and (np.count_nonzero(ran) >= _LEAST_ON_DEVICE)
+        ):
+            sweep = self._swept_on_device(self._device, motions, sweep)
+        else:
+            sweep = self._swept(stack, motions, sweep, stop)
         for name in ("uncertain", "estimated"):
             getattr(motions, name)[:] += sweep.settling[name] + sweep.recording[name]
         motions.statuses[ran], motions.since[ran] = sweep.statuses[ran], sweep.since[ran]
@@ -200,3 +207,24 @@ class SweepRunner:
             sweep.sample_state, sweep.sample_mode, sweep.events[:end], sweep.event_states[:end],
             sweep.logs, sweep.sample_state,
         )  # fmt: skip
+
+    def _swept(
+        self, stack: Tables, motions: Motions, sweep: Sweep, stop: threading.Event | None
+    ) -> Sweep:
+        """The sweep at its end, run one motion after the other."""
+        status = Status.PAUSED
+        while status != Status.COMPLETED:
+            if stop is not None and stop.is_set():
+                raise Stopped
+            if status == Status.BUFFER_FULL:
+                sweep = sweep.enlarged()
+            status = run_sweep(
+                stack, _RATES, _SCRATCH, motions.anchors, self.segment, self._tangent, sweep
+            )
+        return sweep
+
+    def _swept_on_device(self, device: Device, motions: Motions, sweep: Sweep) -> Sweep:
+        """The same, side by side on a device."""
+        if self._on_device is None:
+            self._on_device = DeviceSweep(device, self._stack)
+        return self._on_device.run(motions.anchors, sweep)

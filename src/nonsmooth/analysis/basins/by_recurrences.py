@@ -33,6 +33,7 @@ from nonsmooth.engine.attractors import Landmarks, visit
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.crew import Stopped
+from nonsmooth.runs.devices import device_for
 from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.stored_tasks import run_stored_tasks
 
@@ -46,6 +47,7 @@ Integers = npt.NDArray[np.int64]
 
 NOT_COMPUTED = -3  # label of a cell that an interruption left out
 _TOGETHER = 1024  # starts in a task: some hundredths of a second of work
+_ON_DEVICE = 2**17  # the same on a graphics device
 _BLOCK = 16  # images between two looks at who has come to an attractor
 _PATIENCE = 1000  # iterates after which starts are left for a closer look
 
@@ -63,14 +65,17 @@ def label_starts(
     threads: int,
     store: str | Path | None,
     protocol: Mapping[str, Any],
+    together: int = _TOGETHER,
 ) -> tuple[SettledStarts, bool]:
-    """Label starts 0 ... count - 1, whose states are given by number.
+    """Label starts 0 ... count - 1, whose states are given by number, some together in a task.
 
     Those that come to no known attractor are `UNSETTLED`. Returns also whether all were done.
     """
     label = np.full(count, NOT_COMPUTED, np.int64)
     needed = np.zeros(count, np.int64)
-    chunks = [np.arange(i, min(i + _TOGETHER, count)) for i in range(0, count, _TOGETHER)]
+    if together != _TOGETHER:
+        protocol = {**protocol, "starts_in_a_task": together}
+    chunks = [np.arange(i, min(i + together, count)) for i in range(0, count, together)]
 
     def keep(i: int, settled: SettledStarts) -> None:
         label[chunks[i]], needed[chunks[i]] = settled.label, settled.needed
@@ -205,6 +210,7 @@ def label_grid(
         grid.states, grid.size, found.known.landmarks(), found.known.cycles(),
         lambda: runner_within_turns(chosen, how.tolerance), longest=how.longest,
         threads=shared.workers, store=shared.store, protocol=protocol,
+        together=_TOGETHER if device_for(chosen.system) is None else _ON_DEVICE,
     )  # fmt: skip
     if complete:
         complete = look_closer(found.search, grid, settled)

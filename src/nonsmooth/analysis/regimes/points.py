@@ -18,6 +18,7 @@ from nonsmooth.analysis.regimes.labels import LABELS, Verdict
 from nonsmooth.analysis.regimes.options import RegimeProtocol
 from nonsmooth.analysis.regimes.regime_run import first_windows, settled_regimes
 from nonsmooth.analysis.settle import ParameterSets, settle
+from nonsmooth.runs.devices import device_for
 from nonsmooth.runs.stored_tasks import run_stored_tasks
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import SweepRunner
@@ -25,6 +26,7 @@ from nonsmooth.runs.sweep_runner import SweepRunner
 __all__ = ["Plane"]
 
 _TOGETHER = 16  # points in a task: some hundredths of a second
+_ON_DEVICE = 4096  # the same on a graphics device
 _NUMBERS = (
     "transient_used", "length", "period", "events", "impacts", "exponent", "error", "k",
     "residual", "chaotic_for", "uncertain", "estimated", "progresses",
@@ -55,6 +57,10 @@ class Plane:
         shape = (self.values[1].size, self.values[0].size)
         self.grid = LabelGrid(shape)
         self._step = 0
+        self._together, self._stored_with = _TOGETHER, self.told
+        if self.way == "restart" and device_for(self.chosen.system) is not None:
+            self._together = _ON_DEVICE
+            self._stored_with = {**self.told, "points_in_a_task": _ON_DEVICE}
 
     def compute(self, places: Places) -> bool:
         """Verdicts of some places; False where the user interrupted."""
@@ -75,7 +81,7 @@ class Plane:
             [self._task(part, after.get(i), ends) for i, part in enumerate(parts)],
             lambda: SweepRunner(self.chosen.system, self.tolerance),
             store=store,
-            protocol=self.told,
+            protocol=self._stored_with,
             pack=_packed,
             unpack=_unpacked,
             threads=self.threads,
@@ -93,16 +99,21 @@ class Plane:
         Motions that follow each other are those of one row; with the task that each one follows.
         """
         if self.way == "restart":
-            return _some_each(places), {}
+            return self._some_each(places), {}
         rows = np.split(places, np.flatnonzero(np.diff(places[:, 0])) + 1)
         parts: list[Places] = []
         after: dict[int, int] = {}
         for row in rows:
-            for k, part in enumerate(_some_each(row if self.way == "follow up" else row[::-1])):
+            ordered = row if self.way == "follow up" else row[::-1]
+            for k, part in enumerate(self._some_each(ordered)):
                 if k:
                     after[len(parts)] = len(parts) - 1
                 parts.append(part)
         return parts, after
+
+    def _some_each(self, places: Places) -> list[Places]:
+        size = self._together
+        return [places[i : i + size] for i in range(0, len(places), size)]
 
     def _task(
         self, places: Places, before: int | None, ends: dict[int, End | None]
@@ -121,10 +132,6 @@ class Plane:
             follow=partial(ends.get, -1 if before is None else before) if follow else None,
             alone=follow,
         )
-
-
-def _some_each(places: Places) -> list[Places]:
-    return [places[i : i + _TOGETHER] for i in range(0, len(places), _TOGETHER)]
 
 
 def _packed(done: Done) -> dict[str, npt.NDArray[Any]]:

@@ -16,6 +16,7 @@ struct Motion {
     const Tangent tangent;
     const SweepTask& task;
     Index k;
+    Index room;  // for events, 0 where they are not logged
 };
 
 inline WindowPhase window_phase(const Instant& instant) {
@@ -34,11 +35,11 @@ inline Records settling_records(const Motion& motion) {
     return {{}, {}, {}, {}, {}, {}, task.settling[k], task.end_state[k], task.since[k]};
 }
 
-// Samples of a motion, and as much of the log as those before have left.
+// Samples of a motion, and its part of the log.
 inline Records recording_records(const Motion& motion) {
     const SweepTask& task = motion.task;
     const Index k = motion.k, first = task.logs[k], n = task.event_states.shape[2];
-    const Index room = task.events.size() - first;
+    const Index room = motion.room;
     return {task.sample_number[k],
             task.sample_phase[k],
             task.sample_state[k],
@@ -76,12 +77,6 @@ inline void follow(const Motion& motion, const Anchor& before) {
     task.modes[k] = SAME - before.place.mode;
 }
 
-// Whether there is no log, or one that has room for an event of motion k.
-inline bool has_room(const SweepTask& task, Index k) {
-    const Index room = task.events.size();
-    return room == 0 || room - task.logs[k] > 1;
-}
-
 // Run motion k from the stage where it is; PAUSED and BUFFER_FULL ask to be called again.
 inline Status pass_motion(const Motion& motion, int64_t& stage) {
     Status status = COMPLETED;
@@ -90,7 +85,7 @@ inline Status pass_motion(const Motion& motion, int64_t& stage) {
         if (status == COMPLETED) stage = RECORDING;
     }
     if (stage == RECORDING) {
-        if (!has_room(motion.task, motion.k)) return BUFFER_FULL;
+        if (motion.task.events.size() > 0 && motion.room <= 1) return BUFFER_FULL;
         const WindowPhase end = window_phase(motion.task.ends[motion.k]);
         status = run_motion(motion, recording_records(motion), end);
     }
@@ -103,7 +98,9 @@ inline Status run_sweep(const TableStack& stack, const Shared& shared, const Anc
     shared.segment.pause->work = task.work;
     const Index count = task.statuses.size();
     for (Index& k = task.next; k < count; ++k) {
-        const Motion motion{stack, shared, anchor_at(anchors, k), tangent_at(tangents, 0), task, k};
+        const Index room = task.events.size() - task.logs[k];  // that those before have left
+        const Motion motion{stack, shared, anchor_at(anchors, k), tangent_at(tangents, 0),
+                            task,  k,      room};
         if (task.stage == BEGINNING && task.statuses[k] == COMPLETED) {
             const bool follows = k > 0 && task.begins.size() > 0;
             if (follows && task.statuses[k - 1] == COMPLETED) {
