@@ -3,8 +3,8 @@
 `python benchmarks/bench_gpu.py [PART ...]`. The parts are ``lanes`` (the kernel alone: many starts
 of one system, beside one thread of the processor), ``basins`` (the basins of the soft impact
 oscillator and of the impact oscillator) and ``map`` (regimes over two parameters after a long
-transient). Each part runs on both, in turns, in one process, and prints seconds, their ratio and the
-share of equal labels. The command fails where the first strobes of lanes differ by more than
+transient). Each part runs on both, in turns, in one process, and prints seconds, their ratio and
+the share of equal labels. The command fails where the first strobes of lanes differ by more than
 rounding, or where fewer than 99.9 % of the labels agree: single cells on a fractal border may fall
 on the other side after a change of the last digit. Needs CuPy and a device.
 """
@@ -12,6 +12,7 @@ on the other side after a change of the last digit. Needs CuPy and a device.
 import argparse
 import sys
 import time
+from functools import partial
 
 import numpy as np
 
@@ -52,7 +53,7 @@ def starts_of(system, box, count):
 
 
 def run_lanes(system, states):
-    """Strobes of lanes over the last periods, and how they ended."""
+    """Some strobes of lanes, and how they ended."""
     runner = LaneRunner(system, 1e-12)
     lanes = runner.start(states, Instant(0, 0.0))
     numbers = np.concatenate([np.arange(1, 1 + FEW), [PERIODS]])
@@ -66,10 +67,10 @@ def lanes() -> bool:
     for name, (make, box) in SYSTEMS.items():
         system = make()
         states = starts_of(system, box, LANES)
-        (ours, ended), on_processor = seconds(lambda: run_lanes(system, states[:ON_PROCESSOR]))
+        (ours, ended), on_processor = seconds(partial(run_lanes, system, states[:ON_PROCESSOR]))
         with ns.use_device("gpu"):
             run_lanes(system, states[:4096])  # scratch is allocated
-            (theirs, they_ended), on_device = seconds(lambda: run_lanes(system, states))
+            (theirs, they_ended), on_device = seconds(partial(run_lanes, system, states))
         per_period = on_processor / ON_PROCESSOR / PERIODS, on_device / LANES / PERIODS
         difference = np.nanmax(np.abs(ours[:, :FEW] - theirs[:ON_PROCESSOR, :FEW]))
         same = np.mean(ended == they_ended[:ON_PROCESSOR])
@@ -104,8 +105,8 @@ def basins() -> bool:
         make, box = SYSTEMS[name]
         grid = {each: np.linspace(*ends, CELLS) for each, ends in box.items()}
         good &= compared(
-            f"basins of the {name} oscillator, {CELLS} x {CELLS}",
-            lambda make=make, grid=grid: ns.basins_of_attraction(make(), grid),
+            f"basins, {name}, {CELLS} x {CELLS}",
+            partial(ns.basins_of_attraction, make(), grid),
             "label",
         )
     return good
@@ -117,10 +118,15 @@ def regimes() -> bool:
     return compared(
         f"regimes of the soft impact oscillator, {POINTS} x {POINTS}, transient {TRANSIENT}",
         lambda: ns.regime_map(
-            ns.models.soft_impact(), over, transient=TRANSIENT, record=32, longest=TRANSIENT, confirm=0
+            ns.models.soft_impact(),
+            over,
+            transient=TRANSIENT,
+            record=32,
+            longest=TRANSIENT,
+            confirm=0,
         ),
         "period",
-    )
+    )  # fmt: skip
 
 
 PARTS = {"lanes": lanes, "basins": basins, "map": regimes}

@@ -17,6 +17,7 @@ from nonsmooth.system.system import System
 __all__ = ["device_for", "use_device"]
 
 _NAMES = ("cpu", "gpu")
+_VARIABLE = "NONSMOOTH_DEVICE"
 _THREADS = 64  # in a block: small ones, since each thread comes to its end by itself
 _BLOCKS = 8  # for each multiprocessor: as many as the registers of so many threads allow
 _REGISTERS = "-maxrregcount=128"  # of a thread; more leave room for fewer threads, fewer spill
@@ -70,12 +71,12 @@ def use_device(name: str) -> AbstractContextManager[Any]:
     >>> with ns.use_device("cpu"):
     ...     basins = ns.basins_of_attraction(ns.models.soft_impact(), grid)
     """
+    block = ExitStack()
+    block.callback(_choose, _chosen())
     if name not in _NAMES:
         raise OptionError(unknown_choice("name", name, _NAMES))
     if name == "gpu":
         _graphics()
-    block = ExitStack()
-    block.callback(_choose, _Choice.name)
     _choose(name)
     return block
 
@@ -84,11 +85,21 @@ def _choose(name: str) -> None:
     _Choice.name = name
 
 
+def _chosen() -> str:
+    """What holds now: at first what the environment says."""
+    if not _Choice.name:
+        name = os.environ.get(_VARIABLE, "cpu")
+        if name not in _NAMES:
+            raise OptionError(unknown_choice(_VARIABLE, name, _NAMES))
+        if name == "gpu":
+            _graphics()
+        _choose(name)
+    return _Choice.name
+
+
 def device_for(system: System) -> Device | None:
     """The device for many motions of a system, None where the processor runs them."""
-    if not _Choice.name:
-        use_device(os.environ.get("NONSMOOTH_DEVICE", "cpu"))
-    if _Choice.name == "cpu":
+    if _chosen() == "cpu":
         return None
     reason = why_not(system.compiled.program)
     if reason:
@@ -104,6 +115,7 @@ class _Memory:
     def __init__(self, cupy: Any) -> None:
         self._cupy = cupy
         self._module = cupy.RawModule(code=SOURCE.read_text(), options=(*OPTIONS, _REGISTERS))
+        self._module.compile()  # now, and not when the first motions run
         self._blocks = _BLOCKS * int(cupy.cuda.Device().attributes["MultiProcessorCount"])
         self.n_threads = self._blocks * _THREADS
 
@@ -140,13 +152,14 @@ def _made() -> Device:
         import cupy
     except ImportError as fault:
         raise OptionError(
-            "CuPy, which runs kernels on graphics devices, is not installed: install the package of"
-            " your version of CUDA, as cupy-cuda13x, or stay with use_device('cpu')"
+            "CuPy, which runs kernels on graphics devices, is not installed: `pip install"
+            " 'nonsmooth[gpu]'` brings that for CUDA 13, and cupy-cuda12x is that for CUDA 12; or"
+            " stay with use_device('cpu')"
         ) from fault
     try:
-        cupy.cuda.runtime.getDeviceCount()
+        reason = "" if cupy.cuda.runtime.getDeviceCount() else "CuPy sees none"
     except cupy.cuda.runtime.CUDARuntimeError as fault:
-        raise OptionError(
-            f"no graphics device was found ({fault}): stay with use_device('cpu')"
-        ) from fault
+        reason = str(fault)
+    if reason:
+        raise OptionError(f"no graphics device was found ({reason}): stay with use_device('cpu')")
     return Device(_Memory(cupy))

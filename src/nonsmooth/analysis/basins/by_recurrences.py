@@ -73,8 +73,8 @@ def label_starts(
     """
     label = np.full(count, NOT_COMPUTED, np.int64)
     needed = np.zeros(count, np.int64)
-    if together != _TOGETHER:
-        protocol = {**protocol, "starts_in_a_task": together}
+    if together == _ON_DEVICE:
+        protocol = {**protocol, "device": "gpu"}  # whose tasks are others
     chunks = [np.arange(i, min(i + together, count)) for i in range(0, count, together)]
 
     def keep(i: int, settled: SettledStarts) -> None:

@@ -25,6 +25,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.claims import Claims
 from nonsmooth.runs.crew import run_tasks
+from nonsmooth.runs.devices import device_for
 from nonsmooth.runs.memory import free_memory, size_text
 from nonsmooth.runs.store import Store
 from nonsmooth.runs.stored_tasks import Computed, shared_tasks
@@ -36,6 +37,7 @@ __all__ = ["Work"]
 
 _FEWEST = 64  # tasks, so that many processors have work
 _MOST_LANES, _MOST_WINDOWS, _MOST_BYTES = 4096, 50_000, 4 * 2**20  # in a task
+_LANES_ON_DEVICE, _BYTES_ON_DEVICE = 2**17, 2**28  # in a task of a graphics device
 _MOST_MEMORY = 0.5  # part of the free memory that a result may take
 _LOOK = 0.2  # seconds between two looks at a file that another process writes
 _RESULT = "result"  # the file in a store, and the claim to write it
@@ -53,9 +55,14 @@ class Work:
         self.count = protocol.members.count
         lane = empty_chunk(protocol, 1, Status.INTERRUPTED)
         self.lane_bytes = sum(part.nbytes for part in lane.values())
-        most = min(_MOST_LANES, _MOST_WINDOWS // windows, _MOST_BYTES // self.lane_bytes)
-        self.size = max(1, min(most, -(-self.count // _FEWEST)))
+        self.size = max(1, self._most_in_task(windows))
         self.n_tasks = -(-self.count // self.size)
+
+    def _most_in_task(self, windows: int) -> int:
+        if device_for(self.protocol.system) is not None:
+            return min(_LANES_ON_DEVICE, _BYTES_ON_DEVICE // self.lane_bytes, self.count)
+        most = min(_MOST_LANES, _MOST_WINDOWS // windows, _MOST_BYTES // self.lane_bytes)
+        return min(most, -(-self.count // _FEWEST))
 
     def in_memory(self, frame: Frame) -> xr.Dataset:
         """Run all lanes; refused where the result is too large."""
@@ -78,6 +85,8 @@ class Work:
 
     def in_store(self, frame: Frame, path: str | Path, asked: Mapping[str, Any]) -> xr.Dataset:
         """Run the lanes that a store has not yet; the result is read from a file in it."""
+        if device_for(self.protocol.system) is not None:
+            asked = {**asked, "device": "gpu"}  # whose tasks are others
         store = Store.open(path, asked, self.n_tasks, shared=True)
         if store.read_only and (written := open_whole(store.folder / f"{_RESULT}.nc")):
             return written

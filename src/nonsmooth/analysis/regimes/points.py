@@ -60,7 +60,7 @@ class Plane:
         self._together, self._stored_with = _TOGETHER, self.told
         if self.way == "restart" and device_for(self.chosen.system) is not None:
             self._together = _ON_DEVICE
-            self._stored_with = {**self.told, "points_in_a_task": _ON_DEVICE}
+            self._stored_with = {**self.told, "device": "gpu"}  # whose tasks are others
 
     def compute(self, places: Places) -> bool:
         """Verdicts of some places; False where the user interrupted."""
