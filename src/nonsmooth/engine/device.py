@@ -77,6 +77,7 @@ class Device:
                 segment = allocate_segment(sizes)
                 left_out = {name: getattr(segment, name)[:0] for name in _OF_SERIES}
                 count = self.memory.n_threads
+                self._scratch.clear()  # before more is asked for: that of all threads is large
                 self._scratch[sizes] = _Placed(self.memory, segment.replace(**left_out), count)
             _kept, counter = self.memory.put(np.zeros(8, np.uint8))
             addresses = (each.address for each in placed)
