@@ -75,6 +75,24 @@ def test_a_motion_that_follows_begins_where_the_last_one_ended() -> None:
         start = {name: float(run[name][-1]) for name in start}
 
 
+@pytest.mark.parametrize("first", [(0, 0.1), (1, 0.6), (4, 0.6)])
+def test_impacts_accumulate_across_the_first_sample(first: tuple[int, float]) -> None:
+    """The ball comes to rest in every period, after impacts of which the sweep logs the last."""
+    system = ns.models.bouncing_ball(Gamma=1.2, r=0.5)
+    runner = SweepRunner(system, 1e-12)
+    runner.set_up(np.array([list(system.parameter_values.values())]))
+    window = float(runner.windows[0])
+    starts = SweepStarts(
+        np.array([[0.5, 0.0]]), np.array([ANY]), np.zeros(1, np.int64), np.zeros(1)
+    )
+    times = Times(np.array([[first[0], 8]]), np.array([[first[1] * window, 0.0]]))
+    recorded = runner.run(runner.start(starts, np.ones(1, bool)), times)
+    run = ns.simulate(system, {"y": 0.5, "v": 0.0}, periods=8, samples_per_period=1)
+    counts = recorded.rows["count"]
+    assert counts.size > 20 and counts.max() > 10
+    assert np.array_equal(counts, run["event_count"].values[-counts.size :])
+
+
 def test_values_without_tables_are_refused_and_not_followed() -> None:
     """omega = 0 has no period; the motion behind it begins anew."""
     system = ns.models.soft_impact()

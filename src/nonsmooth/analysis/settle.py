@@ -19,10 +19,10 @@ from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import ModelError
-from nonsmooth.runs.clock import Instant
+from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.start import Start, resolve_start
-from nonsmooth.runs.strobe_times import strobes
+from nonsmooth.runs.strobe_times import strobes_of_motions
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, SweepStarts, Times
 from nonsmooth.runs.whole_turns import cuts_of, folded, periods_of_states, whole_turns
@@ -282,23 +282,36 @@ class Group:
         """Values of a parameter, (K,)."""
         return np.asarray(self.values[:, list(self.system.parameters).index(parameter)])
 
+    @cached_property
+    def lengths(self) -> Floats:
+        """Time between strobes of each motion, (K,)."""
+        return np.where(np.isnan(self._periods), self.windows, self._periods)
+
+    @cached_property
+    def _periods(self) -> Floats:
+        """Time between strobes where it is asked for, nan where that is the period, (K,)."""
+        return np.array([np.nan if period is None else period for period in self.periods])
+
     def length(self, i: int) -> float:
         """Time between strobes of motion i."""
-        period = self.periods[i]
-        return float(self.windows[i]) if period is None else period
+        return float(self.lengths[i])
 
     def strobes(self, first: int | Integers, count: int, chosen: Any = None) -> Times:
         """Strobes first ... first + count - 1 of each motion, or of those that are chosen, (K,)."""
         numbers, phases = np.zeros((self.count, count), np.int64), np.zeros((self.count, count))
-        firsts = np.broadcast_to(first, self.count).tolist()
-        windows = self.windows.tolist()
-        for i in range(self.count) if chosen is None else np.flatnonzero(chosen).tolist():
-            start = self.starts[i]
-            begin = Instant(0, 0.0) if start is None else start.instant
-            numbers[i], phases[i] = strobes(
-                windows[i], begin, self.periods[i], self.chosen.phase, firsts[i], count
-            )
+        which = np.arange(self.count) if chosen is None else np.flatnonzero(chosen)
+        begun, since = self._begins()
+        numbers[which], phases[which] = strobes_of_motions(
+            self.windows[which], (begun[which], since[which]), self._periods[which],
+            self.chosen.phase, np.broadcast_to(first, self.count)[which], count,
+        )  # fmt: skip
         return Times(numbers, phases)
+
+    def instants(self, times: Floats, chosen: Bools) -> tuple[Integers, Floats]:
+        """Windows and phases of some times of the chosen motions, (K, s) each; zero for others."""
+        numbers, phases = np.zeros(times.shape, np.int64), np.zeros(times.shape)
+        numbers[chosen], phases[chosen] = instants(times[chosen], self.windows[chosen, None])
+        return numbers, phases
 
     def iterates(self, first: int, count: int) -> Times:
         """Iterates first ... first + count - 1 of the map, for each motion."""

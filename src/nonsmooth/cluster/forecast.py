@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["forecast"]
 
-_TOGETHER = 16  # neighbours that are computed side by side, as in a tile
+_TOGETHER = 32  # neighbours that are computed side by side, as in a tile
 _CELLS = 8  # along each side of a square that is refined as a tile is
 _LEAST = 8  # places of which a mean and its error tell something
 _WEIGHED = 64  # tiles that are done and whose size is read

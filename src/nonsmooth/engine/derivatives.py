@@ -75,7 +75,7 @@ def allocate_rates(program: Program, chosen: Integers) -> Rates:
 
 
 def no_rates() -> Rates:
-    """Derivatives by no parameter, for a run that carries no columns."""
+    """Derivatives by no parameter, for columns by initial states or none at all."""
     return _rates(_NOTHING, 0, np.zeros(0, np.int64), big_n=0)
 
 

@@ -184,7 +184,7 @@ class DeviceSweep:
         ran = sweep.statuses == Status.COMPLETED
         logged = sweep.events.size > 0
         least, count = int(logged) * _ROWS, sweep.statuses.size
-        starts = anchors.copied(), sweep.modes.copy(), sweep.since.copy()
+        starts = anchors.copied(), sweep.modes.copy(), sweep.since.copy(), sweep.settling.copy()
         whose, logs, states = [np.zeros(0, np.int64)], [sweep.events[:0]], [sweep.event_states[:0]]
         left, statuses = ran.copy(), sweep.statuses.copy()
         while np.any(left):
@@ -199,8 +199,10 @@ class DeviceSweep:
             logs.append(sweep.events[place])
             states.append(sweep.event_states[place])
             anchors.put(full, starts[0].part(full))
-            sweep.modes[full], sweep.since[full] = starts[1][full], starts[2][full]
-            sweep.settling[full] = sweep.recording[full] = np.zeros((), sweep.recording.dtype)
+            for own, at_start in zip(
+                (sweep.modes, sweep.since, sweep.settling), starts[1:], strict=True
+            ):
+                own[full] = at_start[full]
             left, least = full, 4 * least
         order = np.argsort(np.concatenate(whose), kind="stable")
         total = np.bincount(np.concatenate(whose), minlength=count)

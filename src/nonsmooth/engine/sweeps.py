@@ -36,7 +36,7 @@ class Sweep(Record):
     events: Rows  # (c,): the logs, one after the other
     event_states: Floats  # (c, 2, n): before and after each event
     logs: Integers  # (K + 1,): first row of each log
-    settling: Rows  # (K,): counters until the first sample
+    settling: Rows  # (K,): counters until the first sample, from those of a call before on
     recording: Rows  # (K,): counters from there on
     end_state: Floats  # (K, n)
     since: Rows  # (K,)
@@ -108,7 +108,7 @@ def run_sweep(
     tangents: Tangent,
     sweep: Sweep,
 ) -> Status:
-    """Run the motions of a sweep, each with its own tables of the stack.
+    """Run the motions of a sweep, each with its own tables of the stack and lane of the tangents.
 
     returns: COMPLETED, PAUSED (call again) or BUFFER_FULL (call again with an enlarged sweep)
     """

@@ -51,7 +51,7 @@ class Plan(NamedTuple):
 
 
 def instants(
-    times: npt.ArrayLike, window: float
+    times: npt.ArrayLike, window: float | npt.NDArray[np.float64]
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
     """Window numbers and phases; a time within rounding of a window's end begins the next."""
     times = np.asarray(times, dtype=float)

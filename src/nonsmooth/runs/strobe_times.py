@@ -13,8 +13,13 @@ from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 
-__all__ = ["check_phase", "hides_phase", "is_driven", "require_period", "strobes"]
+__all__ = [
+    "check_phase", "hides_phase", "is_driven", "require_period", "strobes", "strobes_of_motions",
+]  # fmt: skip
 
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
 _TURN = 1e-9  # of a forcing between strobes, beside their number, within which it is a whole one
 
@@ -24,13 +29,16 @@ def is_driven(tables: Tables) -> bool:
     return bool(tables.harmonics.shape[1] or tables.sizes.powers or tables.signals.shape[0])
 
 
-def hides_phase(tables: Tables, length: float) -> bool:
-    """Whether strobes see the forcing at different phases, for lack of a common period.
+def hides_phase(frequencies: Floats, lengths: Floats) -> npt.NDArray[np.bool_]:
+    """Whether strobes see the forcing at different phases, for lack of a common period, (K,).
 
     Those phases neither grow nor die away, and are no states.
+
+    shapes: frequencies (K, F) of each of K motions, lengths (K,) between strobes
     """
-    turns = tables.harmonics[0] * length / (2.0 * np.pi)
-    return bool(np.any(np.abs(turns - np.rint(turns)) > _TURN * np.maximum(1.0, turns)))
+    turns = frequencies * lengths[:, None] / (2.0 * np.pi)
+    away = np.abs(turns - np.rint(turns)) > _TURN * np.maximum(1.0, turns)
+    return np.asarray(np.any(away, axis=1))
 
 
 _CURE = (
@@ -57,17 +65,39 @@ def check_phase(phase: Any) -> float:
 
 def strobes(
     window: float, begin: Instant, period: float | None, phase: float, first: int, count: int
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+) -> tuple[Integers, Floats]:
     """Window numbers and phases of strobes first ... first + count - 1 after the beginning.
 
     The strobes of a period of the system keep their phase exactly; others are rounded once each.
     """
-    if period is None or period == window:
-        # strobe 0 is the first one that is not before the beginning
-        number = begin.number + (1 if begin.phase > phase * window else 0)
-        numbers = np.arange(number + first, number + first + count, dtype=np.int64)
-        return numbers, np.full(count, phase * window)
-    start = begin.time(window)
-    number = int(np.ceil(start / period - phase - 1e-12))
-    times = (np.arange(number + first, number + first + count) + phase) * period
-    return instants(times, window)
+    numbers, phases = strobes_of_motions(
+        np.array([window]), (np.array([begin.number]), np.array([begin.phase])),
+        np.array([np.nan if period is None else period]), phase, np.array([first]), count,
+    )  # fmt: skip
+    return numbers[0], phases[0]
+
+
+def strobes_of_motions(
+    windows: Floats,
+    begins: tuple[Integers, Floats],
+    periods: Floats,
+    phase: float,
+    firsts: Integers,
+    count: int,
+) -> tuple[Integers, Floats]:
+    """The same of K motions; a period is nan where it is that of the clock.
+
+    shapes: windows, begins, periods and firsts (K,); returns (K, count) each
+    """
+    number, since = begins
+    places = np.arange(count, dtype=np.int64)
+    # strobe 0 is the first one that is not before the beginning
+    first = number + (since > phase * windows) + firsts
+    numbers, phases = first[:, None] + places, np.tile((phase * windows)[:, None], count)
+    other = ~(np.isnan(periods) | (periods == windows))
+    if np.any(other):
+        start, own = (number * windows + since)[other], periods[other]
+        first = np.ceil(start / own - phase - 1e-12).astype(np.int64) + firsts[other]
+        times = (first[:, None] + places + phase) * own[:, None]
+        numbers[other], phases[other] = instants(times, windows[other, None])
+    return numbers, phases

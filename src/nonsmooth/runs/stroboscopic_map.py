@@ -245,7 +245,7 @@ class StroboscopicMap(Map):
         """Whether points meet the forcing at different phases, which their states do not tell."""
         tables = build_tables(self.system)
         length = tables.window if self.length is None else self.length
-        return hides_phase(tables, length * self.every)
+        return bool(hides_phase(tables.harmonics[:1], np.array([length * self.every]))[0])
 
     @property
     def protocol(self) -> dict[str, Any]:

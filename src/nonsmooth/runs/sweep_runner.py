@@ -12,15 +12,23 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.derivatives import no_rates, no_scratch
+from nonsmooth.engine.derivatives import allocate_scratch, no_rates
 from nonsmooth.engine.device import Device, DeviceSweep
-from nonsmooth.engine.lanes import Anchor, allocate_segment, allocate_tangent, lane_anchors
-from nonsmooth.engine.record import Rows, dtype_of
+from nonsmooth.engine.lanes import (
+    Anchor,
+    Tangent,
+    allocate_columns,
+    allocate_segment,
+    lane_anchors,
+    lane_tangents,
+)
+from nonsmooth.engine.record import Rows, dtype_of, zeros
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.sweeps import Sweep, allocate_sweep, run_sweep
 from nonsmooth.engine.tables import Tables, allocate_stack, set_up
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.devices import device_for
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.system import System
 
 __all__ = ["Motions", "Recorded", "SweepRunner", "SweepStarts", "Times"]
@@ -28,12 +36,13 @@ __all__ = ["Motions", "Recorded", "SweepRunner", "SweepStarts", "Times"]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
-_MOST = 16  # motions in one call, a few milliseconds of work
+_MOST = 32  # motions in one call, some milliseconds of work
 _BYTES = 2**25  # of their tables
 _MOST_ON_DEVICE, _ON_DEVICE = 2**15, 2**30  # the same of a graphics device
 _LEAST_ON_DEVICE = 512  # motions, of which fewer run faster on the processor
 _FIRST_EVENTS = 4096  # rows of the logs of all motions, to begin with
-_RATES, _SCRATCH = no_rates(), no_scratch()
+_RATES = no_rates()  # columns are derivatives by initial states alone
+_OF_ONE_CALL = ("samples", "events", "segments", "uncertain", "estimated")  # counters
 
 
 class SweepStarts(NamedTuple):
@@ -43,6 +52,15 @@ class SweepStarts(NamedTuple):
     modes: Integers  # (K,): the mode, or how it is found, see `run_lanes`
     numbers: Integers  # (K,) window of each
     phases: Floats  # (K,)
+
+    def replaced(self, chosen: npt.NDArray[np.bool_], other: SweepStarts) -> SweepStarts:
+        """The same with other starts of those motions that are chosen, (K,)."""
+        return SweepStarts(
+            np.where(chosen[:, None], other.states, self.states),
+            np.where(chosen, other.modes, self.modes),
+            np.where(chosen, other.numbers, self.numbers),
+            np.where(chosen, other.phases, self.phases),
+        )
 
 
 class Times(NamedTuple):
@@ -55,6 +73,20 @@ class Times(NamedTuple):
         """Some of the times of each motion."""
         numbers, phases = self.numbers[:, which], self.phases[:, which]
         return Times(np.ascontiguousarray(numbers), np.ascontiguousarray(phases))
+
+    def along(self, places: Integers) -> Times:
+        """Times at some places of each motion, (K, places)."""
+        return Times(
+            np.take_along_axis(self.numbers, places, axis=1),
+            np.take_along_axis(self.phases, places, axis=1),
+        )
+
+    def replaced(self, chosen: npt.NDArray[np.bool_], other: Times) -> Times:
+        """The same with other times of those motions that are chosen, (K,)."""
+        return Times(
+            np.where(chosen[:, None], other.numbers, self.numbers),
+            np.where(chosen[:, None], other.phases, self.phases),
+        )
 
     @property
     def last(self) -> tuple[Integers, Floats]:
@@ -72,13 +104,14 @@ class Motions(NamedTuple):
     uncertain: Integers  # (K,): events that rounding leaves open, from the start on
     estimated: Integers  # (K,): steps the errors of which are estimated, likewise
     since: Rows  # (K,): window and phase up to which these are counted
+    counters: Rows  # (K,): what the engine counts on the way, as of impacts that accumulate
 
     def select(self, chosen: Integers) -> Motions:
         """Copy of some of the motions, to go on without these."""
         return Motions(
             self.anchors.part(chosen), self.modes[chosen], self.statuses[chosen],
             self.end_states[chosen], self.uncertain[chosen], self.estimated[chosen],
-            self.since[chosen],
+            self.since[chosen], self.counters[chosen],
         )  # fmt: skip
 
     @property
@@ -101,6 +134,13 @@ class Recorded(NamedTuple):
     logs: Integers  # (K + 1,): first row of each log, and the end of the last one
     travelled: Floats  # (K, s, n): the states again, of angles with all whole turns
 
+    @property
+    def last(self) -> SweepStarts:
+        """The last samples, as points where motions begin."""
+        return SweepStarts(
+            self.states[:, -1], self.modes[:, -1], self.numbers[:, -1], self.phases[:, -1]
+        )
+
 
 class SweepRunner:
     """Runs motions of a system at several sets of parameter values."""
@@ -117,8 +157,11 @@ class SweepRunner:
         self._room = one if self.most == 1 else allocate_stack(self._program, self.most)
         self._stack = self._room
         self._on_device: DeviceSweep | None = None
+        self.is_driven = is_driven(self._room.part(0))
+        self.kinds = self._room.kinds  # (m,) of the modes
         self.segment = allocate_segment(self._sizes)
-        self._tangent = allocate_tangent(self._sizes, -1, 0).as_lanes
+        self._scratch = allocate_scratch(self._program, np.zeros(0, np.int64))
+        self._no_columns = allocate_columns(self._sizes, 0, 0)
 
     def set_up(self, values: Floats) -> npt.NDArray[np.bool_]:
         """Take sets of parameter values, (K, p); which of them have tables."""
@@ -138,6 +181,11 @@ class SweepRunner:
         """Length of a window for each set, of no meaning where it has no tables."""
         return np.asarray(self._stack.clock["window"])
 
+    @property
+    def frequencies(self) -> Floats:
+        """Frequencies of the forcing for each set, (K, F)."""
+        return np.asarray(self._stack.harmonics[:, 0])
+
     def tables(self, i: int) -> Tables:
         """Tables of one set."""
         return self._stack.part(i)
@@ -147,13 +195,29 @@ class SweepRunner:
         count = len(starts.states)
         return Motions(
             lane_anchors(self._sizes, starts.numbers, starts.phases, starts.states),
-            modes=starts.modes,
+            modes=starts.modes.copy(),  # which the engine writes
             statuses=np.where(usable, Status.COMPLETED, Status.REFUSED).astype(np.int64),
             end_states=np.full((count, self._sizes.states), np.nan),
             uncertain=np.zeros(count, np.int64),
             estimated=np.zeros(count, np.int64),
             since=np.full(2 * count, -np.inf).view(dtype_of("Instant")),
+            counters=zeros(Sweep.struct, recording=(count,))["recording"],
         )
+
+    def columns(self, columns: Floats, samples: int, growth: Floats | None = None) -> Tangent:
+        """Columns of derivatives by the initial states for K motions, with so many samples.
+
+        Where their ``growth`` up to here is given, it is measured, and they stay orthonormal.
+
+        shapes: columns (K, C, n), growth (K, C)
+        """
+        count, measures = columns.shape[1], growth is not None
+        one = allocate_columns(self._sizes, count, samples, measures=measures)
+        made = lane_tangents(one, len(columns))
+        made.columns[..., : self._sizes.states] = columns
+        if growth is not None:
+            made.growth[:] = growth
+        return made
 
     def run(
         self,
@@ -165,6 +229,7 @@ class SweepRunner:
         follows: Times | None = None,
         log: bool = True,
         sets: slice | None = None,
+        columns: Tangent | None = None,
         stop: threading.Event | None = None,
     ) -> Recorded:
         """Run the motions that can go on to their first times, and on to the last with a log.
@@ -172,7 +237,7 @@ class SweepRunner:
         They belong to all sets, or to those at ``sets``. Only those that are ``chosen``, (K,),
         where not all are. ``ends`` (K, 1) lie at the last times or behind them. ``follows`` has
         the instants (K, 1) where motions go on that follow the one before, if that has come to its
-        end.
+        end. ``columns`` of derivatives are those of `columns`; a start makes them the identity.
         """
         last = (times if ends is None else ends).last
         sweep = allocate_sweep(
@@ -181,7 +246,7 @@ class SweepRunner:
         )  # fmt: skip
         if follows is not None:
             sweep.begins["number"], sweep.begins["phase"] = (each[:, 0] for each in follows)
-        sweep.since[:] = motions.since
+        sweep.since[:], sweep.settling[:] = motions.since, motions.counters
         sweep.statuses[:] = motions.statuses
         if chosen is not None:
             sweep.statuses[~chosen] = Status.REFUSED
@@ -191,15 +256,21 @@ class SweepRunner:
             self._device is not None
             and follows is None
             and sets is None
-            and (np.count_nonzero(ran) >= _LEAST_ON_DEVICE)
+            and columns is None
+            and np.count_nonzero(ran) >= _LEAST_ON_DEVICE
         ):
             sweep = self._swept_on_device(self._device, motions, sweep)
         else:
-            sweep = self._swept(stack, motions, sweep, stop)
+            if columns is None:
+                columns = lane_tangents(self._no_columns, sweep.statuses.size)
+            sweep = self._swept(stack, motions, columns, sweep, stop)
         for name in ("uncertain", "estimated"):
             getattr(motions, name)[:] += sweep.settling[name] + sweep.recording[name]
         motions.statuses[ran], motions.since[ran] = sweep.statuses[ran], sweep.since[ran]
         motions.end_states[ran] = sweep.end_state[ran]
+        motions.counters[ran] = sweep.recording[ran]
+        for name in _OF_ONE_CALL:
+            motions.counters[name] = 0
         end = int(sweep.logs[-1])
         refused = motions.statuses == Status.REFUSED
         return Recorded(
@@ -209,7 +280,12 @@ class SweepRunner:
         )  # fmt: skip
 
     def _swept(
-        self, stack: Tables, motions: Motions, sweep: Sweep, stop: threading.Event | None
+        self,
+        stack: Tables,
+        motions: Motions,
+        columns: Tangent,
+        sweep: Sweep,
+        stop: threading.Event | None,
     ) -> Sweep:
         """The sweep at its end, run one motion after the other."""
         status = Status.PAUSED
@@ -219,7 +295,7 @@ class SweepRunner:
             if status == Status.BUFFER_FULL:
                 sweep = sweep.enlarged()
             status = run_sweep(
-                stack, _RATES, _SCRATCH, motions.anchors, self.segment, self._tangent, sweep
+                stack, _RATES, self._scratch, motions.anchors, self.segment, columns, sweep
             )
         return sweep
 

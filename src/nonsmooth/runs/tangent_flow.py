@@ -67,20 +67,15 @@ class TangentFlow:
     ):
         self.impacts = impacts  # None: they are not counted
         self.tolerance = tolerance
-        self.set_up(tables, derivatives)
+        self.tables, self.derivatives, self.window = tables, derivatives, tables.window
         self.n = tables.sizes.states
         sizes = tables.sizes
         self.anchor = allocate_anchor(sizes)
         self.segment = allocate_segment(sizes, 0)
         self._tangent = allocate_columns(sizes, count, 1)
         self._whole = allocate_columns(sizes, self.n, 1)  # of all states, at a start
-        self._through: dict[int, tuple[Records, Tangent]] = {}  # lent to runs through so many times
         self.last_event = np.zeros((), dtype_of("EventRow"))
         self._many = allocate_records(sizes, np.zeros(1, np.int64), np.zeros(1), FIRST_CAPACITY)
-
-    def set_up(self, tables: Tables, derivatives: Derivatives) -> None:
-        """Take other tables of the same system, for the next start."""
-        self.tables, self.derivatives, self.window = tables, derivatives, tables.window
 
     @cached_property
     def _one(self) -> Records:
@@ -217,36 +212,6 @@ class TangentFlow:
         returns: COMPLETED at the instant, BUFFER_FULL at an event, else why the run ended
         """
         return self._run(end, GOES_ON, self._tangent, one_event=one_event)
-
-    def run_through(
-        self, numbers: npt.NDArray[np.int64], phases: Matrix
-    ) -> tuple[Status, Matrix, Matrix]:
-        """Run on to the last of some times in one go; states and columns at all of them.
-
-        Nothing looks after the columns on the way: that is for modes in closed form, and for
-        columns that cannot become parallel.
-
-        shapes: numbers, phases (K,); returns (K, n) and (K, C, n)
-        """
-        records, tangent = self._lent_through(numbers.size)
-        records.sample_number[:], records.sample_phase[:] = numbers, phases
-        records.counters["samples"] = records.counters["segments"] = records.counters["events"] = 0
-        records.sample_state[:] = tangent.samples[:] = np.nan
-        end = int(numbers[-1]), float(phases[-1])
-        status = run(self._lane(tangent), records, GOES_ON, end, self.tolerance)
-        return status, records.sample_state.copy(), tangent.samples.copy()
-
-    def _lent_through(self, count: int) -> tuple[Records, Tangent]:
-        """Records without a log, and columns, with so many samples."""
-        if count not in self._through:
-            columns = len(self._tangent.columns)
-            times = np.zeros(count, np.int64), np.zeros(count)
-            records = allocate_records(self.tables.sizes, *times, 0)
-            self._through[count] = (
-                records.replace(counters=self._many.counters, since=self._many.since),
-                self._tangent.replace(samples=np.full((count, columns, self.n), np.nan)),
-            )
-        return self._through[count]
 
     def between(self, first: Instant, last: Instant) -> float:
         """Time from one instant to another."""

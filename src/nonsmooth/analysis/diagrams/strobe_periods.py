@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.exponents.interval_tangents import IntervalTangents, Strobe
+from nonsmooth.analysis.exponents.interval_tangents import IntervalTangents
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.periodicity import REPEATS, scales, settled_periods
@@ -15,7 +15,6 @@ from nonsmooth.analysis.statistics.rest import comes_to_rest, natural_sizes
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.outputs import StateRates
-from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.sweep_runner import Recorded
 
 __all__ = ["said_of_restless", "strobe_periods"]
@@ -60,7 +59,7 @@ def _resting(
     still, found = ~group.drifting, np.zeros(open_yet.size, bool)
     if not np.any(open_yet) or not np.any(still):
         return found
-    driven = is_driven(group.runner.tables(0))
+    driven = group.runner.is_driven
     states, tangents = recorded.states[..., still], IntervalTangents(group)
     begun = _begun(group, recorded)[:, still]
     ranges, largest = np.ptp(states, axis=1), np.abs(states).max(axis=1)
@@ -73,9 +72,7 @@ def _resting(
     )
     maybe = faded | (np.any(ranges <= match * sizes, axis=1) & (not driven))
     for i in np.flatnonzero(open_yet & maybe).tolist():
-        instant = Instant(int(recorded.numbers[i, -1]), float(recorded.phases[i, -1]))
-        strobe = Strobe(recorded.states[i, -1], int(recorded.modes[i, -1]), instant)
-        block_over = partial(tangents.over_part, i, strobe)
+        block_over = partial(tangents.over_part, i, recorded.last)
         natural = natural_sizes(sizes[i], block_over)
         found[i] = faded[i] and bool(np.all(left[i] <= match**2 * natural))
         if not driven and not found[i]:

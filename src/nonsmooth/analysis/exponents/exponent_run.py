@@ -1,7 +1,7 @@
 """The run behind a spectrum of Lyapunov exponents.
 
 Transient and record do not take the path of `settle`: derivatives are carried through the transient
-as well, so that they find their directions, and the engine's runs with derivatives go one by one.
+as well, so that they find their directions, and of those that are lost there some begin anew.
 """
 
 from __future__ import annotations

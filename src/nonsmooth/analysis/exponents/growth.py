@@ -22,7 +22,7 @@ from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.tangent_flow import Saved, TangentFlow
 
-__all__ = ["Growth"]
+__all__ = ["Growth", "begin_columns"]
 
 _LOSS = 1e-13  # of a singular value, beside one
 
@@ -45,10 +45,9 @@ class Growth:
         self.flow = flow
         self.ended: Instant | None = None  # where the run has ended early
         self._tangent = allocate_columns(flow.tables.sizes, count, 0, measures=True)
-        # any directions but the axes, which may belong to invariant subspaces
         self._generator = np.random.default_rng(seed)
-        mixed = np.linalg.qr(self._generator.standard_normal((flow.n, flow.n)))[0][:count]
-        self._begin(mixed @ flow.first_columns, _rank(flow.first_columns))
+        columns, growth = begin_columns(flow.first_columns[None], count, self._generator)
+        self.columns[:], self._tangent.growth[:] = columns[0], growth[0]
 
     @property
     def at_anchor(self) -> Matrix:
@@ -92,7 +91,7 @@ class Growth:
         if len(left) == len(tangent.growth):
             return False
         of_mode = self.flow.columns_of_mode()
-        rank = 0 if of_mode is None else min(len(tangent.growth), _rank(of_mode))
+        rank = 0 if of_mode is None else min(len(tangent.growth), int(_ranks(of_mode)))
         if of_mode is None or rank <= len(left):
             return False
         kept, growth = self.columns[left], tangent.growth[left]
@@ -109,21 +108,45 @@ class Growth:
         status, reached = self.flow.run_with(tangent, ends)
         return status, tangent.growth_samples[:reached]
 
-    def _begin(self, columns: Matrix, rank: int) -> None:
-        """Put an orthonormal basis of some columns at the anchor; ``rank`` of them are left."""
-        left = list(range(len(columns)))
-        while True:
-            basis, triangle = np.linalg.qr(columns.T)
-            diagonal = np.abs(np.diag(triangle))
-            if len(left) <= rank and not np.any(diagonal == 0.0):
-                break
-            lost = int(np.argmin(diagonal))
-            self._tangent.growth[left.pop(lost)] = -math.inf
-            columns = np.delete(columns, lost, axis=0)
-        self.columns[left] = basis.T
+
+def begin_columns(
+    first: Matrix, count: int, generator: np.random.Generator
+) -> tuple[Matrix, Matrix]:
+    """Orthonormal columns at the starts of K motions, and their growth: zero, or where lost -inf.
+
+    They span what any directions have become there, of which some may be wiped out by then.
+
+    shapes: first (K, n, n) derivatives by the initial states; returns (K, count, n) and (K, count)
+    """
+    n = first.shape[2]
+    # any directions but the axes, which may belong to invariant subspaces
+    mixed = np.linalg.qr(generator.standard_normal((n, n)))[0][:count]
+    columns, ranks = mixed @ first, _ranks(first)
+    growth = np.zeros(columns.shape[:2])
+    basis, triangle = np.linalg.qr(columns.transpose(0, 2, 1))
+    whole = np.all(np.diagonal(triangle, axis1=1, axis2=2) != 0.0, axis=1) & (count <= ranks)
+    for k in np.flatnonzero(~whole).tolist():
+        growth[k] = _losses(columns[k], int(ranks[k]))
+        left = np.isfinite(growth[k])
+        columns[k, left], columns[k, ~left] = np.linalg.qr(columns[k, left].T)[0].T, 0.0
+    columns[whole] = basis[whole].transpose(0, 2, 1)
+    return columns, growth
 
 
-def _rank(columns: Matrix) -> int:
-    size = np.sqrt((columns * columns).sum(axis=1, keepdims=True))
+def _losses(columns: Matrix, rank: int) -> Matrix:
+    """Growth of columns (C, n) of which so many are left: those that add least are lost."""
+    growth = np.zeros(len(columns))
+    left = list(range(len(columns)))
+    while left:
+        diagonal = np.abs(np.diag(np.linalg.qr(columns[left].T)[1]))
+        if len(left) <= rank and not np.any(diagonal == 0.0):
+            break
+        growth[left.pop(int(np.argmin(diagonal)))] = -math.inf
+    return growth
+
+
+def _ranks(columns: Matrix) -> npt.NDArray[np.int64]:
+    """Rank of each of K sets of columns, (K, C, n)."""
+    size = np.sqrt((columns * columns).sum(axis=-1, keepdims=True))
     values = np.linalg.svd(columns / np.maximum(size, 1.0), compute_uv=False)
-    return int(np.count_nonzero(values > _LOSS))
+    return np.asarray(np.count_nonzero(values > _LOSS, axis=-1))

@@ -7,96 +7,87 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.exponents.neighbours import OrbitTangent, orbit_map
+from nonsmooth.analysis.exponents.neighbours import Neighbours, orbit_maps
 from nonsmooth.analysis.settle import Group
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.tables import Tables
-from nonsmooth.runs.clock import Instant, instants
-from nonsmooth.runs.runner import Derivatives, build_derivatives
-from nonsmooth.runs.sweep_runner import Times
-from nonsmooth.runs.tangent_flow import TangentFlow
+from nonsmooth.runs.clock import instants
+from nonsmooth.runs.sweep_runner import SweepStarts, Times
 
-__all__ = ["IntervalTangents", "Strobe"]
+__all__ = ["IntervalTangents", "PeriodMaps"]
 
 _ELSEWHERE = (0.0, 0.382, 0.764)  # parts of a period at which derivatives may begin
 
+Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
 
-class Strobe(NamedTuple):
-    """A point of a motion from where derivatives are taken."""
+class PeriodMaps(NamedTuple):
+    """Derivatives of K motions over a period of each; k states that do not drift."""
 
-    state: Floats
-    mode: int
-    instant: Instant
+    known: Bools  # (K,)
+    blocks: Floats  # (K, k, k)
+    starts: SweepStarts  # the points at which they begin
+    ends: Times  # (K, 1)
 
 
 class IntervalTangents:
-    """Derivatives of the motions of a group, and what they need."""
+    """Derivatives of the motions of a group."""
 
     def __init__(self, group: Group) -> None:
-        self._group, self._drifting = group, group.drifting
-        self._known: dict[int, tuple[Tables, Derivatives]] = {}
-        self._flow: TangentFlow | None = None
+        self._group = group
+        # whether an interval is a window of the clock, so that whole ones need no rounding
+        self._in_windows = np.array([period is None for period in group.periods])
 
-    def tables_of(self, i: int) -> tuple[Tables, Derivatives]:
-        """Tables of a motion, and what derivatives by its initial state need."""
-        if i not in self._known:
-            group = self._group
-            values = dict(zip(group.system.parameters, group.values[i].tolist(), strict=True))
-            tables = group.runner.tables(i)
-            self._known[i] = tables, build_derivatives(group.system, tables, (), values)
-        return self._known[i]
-
-    def over_part(self, i: int, strobe: Strobe, part: float) -> Floats | None:
-        """Derivatives over a part of the interval after a strobe of motion i, but for drifts.
+    def over_part(self, i: int, strobes: SweepStarts, part: float) -> Floats | None:
+        """Derivatives over a part of the interval after the strobe of motion i, but for drifts.
 
         None where they are not known.
         """
-        return orbit_map(self._orbit(i, *strobe, part), self._drifting)
+        ends = self._after(strobes, np.full(self._group.count, part))
+        known, blocks = orbit_maps(self.neighbours(strobes, ends, self._only(i)))
+        return blocks[i] if known[i] else None
 
-    def over_period(self, i: int, strobe: Strobe, p: int) -> tuple[OrbitTangent, Floats] | None:
-        """Derivatives over p intervals, and the point at which they begin; None if not known.
+    def over_periods(self, chosen: Bools, strobes: SweepStarts, periods: Integers) -> PeriodMaps:
+        """Derivatives of the chosen motions over so many intervals, (K,) each.
 
         At the last strobe, or elsewhere within two intervals: a strobe may lie on a guard. The
         motion is carried on to there, where it may end.
         """
-        state, mode, end = strobe
+        group, count = self._group, int(np.count_nonzero(~self._group.drifting))
+        found, blocks = np.zeros(group.count, bool), np.zeros((group.count, count, count))
+        starts, ends = strobes, self._after(strobes, periods)
         for part in _ELSEWHERE:
-            begin = self._after(i, end, 1.0 + part) if part else end
-            if part:
-                state, mode = self._state_at(i, begin)
-                if int(self._group.motions.statuses[i]) != Status.COMPLETED:
-                    return None
-            orbit = self._orbit(i, state, mode, begin, p)
-            block = orbit_map(orbit, self._drifting)
-            if block is not None:
-                return orbit, block
-        return None
+            begins = self._run_on(chosen & ~found, strobes, 1.0 + part) if part else strobes
+            left = chosen & ~found & (group.motions.statuses == Status.COMPLETED)
+            if not np.any(left):
+                break
+            until = self._after(begins, periods)
+            known, own = orbit_maps(self.neighbours(begins, until, left))
+            found, blocks[known] = found | known, own[known]
+            starts, ends = starts.replaced(known, begins), ends.replaced(known, until)
+        return PeriodMaps(found, blocks, starts, ends)
 
-    def _orbit(
-        self, i: int, state: Floats, mode: int, begin: Instant, intervals: float
-    ) -> OrbitTangent:
-        tolerance = self._group.runner.tolerance
-        if self._flow is None:
-            self._flow = TangentFlow(*self.tables_of(i), self._drifting.size, tolerance)
-        return OrbitTangent(
-            *self.tables_of(i), tolerance, state, mode, begin, self._after(i, begin, intervals),
-            self._flow,
-        )  # fmt: skip
-
-    def _state_at(self, i: int, instant: Instant) -> tuple[Floats, int]:
-        """State and mode of a motion that runs on to an instant."""
-        count = self._group.count
-        times = Times(np.full((count, 1), instant.number), np.full((count, 1), instant.phase))
-        found = self._group.run(times, chosen=np.arange(count) == i, log=False)
-        return found.states[i, 0], int(found.modes[i, 0])
-
-    def _after(self, i: int, begin: Instant, intervals: float) -> Instant:
-        """Instant some strobe intervals later; of whole periods without rounding."""
+    def neighbours(self, starts: SweepStarts, times: Times, chosen: Bools) -> Neighbours:
+        """Neighbours of the chosen motions from some points on."""
         group = self._group
-        if group.periods[i] is None and intervals == int(intervals):
-            return Instant(begin.number + int(intervals), begin.phase)
-        window = float(group.windows[i])
-        number, phase = instants([begin.phase + intervals * group.length(i)], window)
-        return Instant(begin.number + int(number[0]), float(phase[0]))
+        return Neighbours(group.runner, starts, chosen, times, group.drifting, group.stop)
+
+    def _run_on(self, chosen: Bools, strobes: SweepStarts, intervals: float) -> SweepStarts:
+        """Points of motions that run on for so many intervals behind a strobe."""
+        times = self._after(strobes, np.full(self._group.count, intervals))
+        return self._group.run(times, chosen=chosen, log=False).last
+
+    def _only(self, i: int) -> Bools:
+        return np.arange(self._group.count) == i
+
+    def _after(self, begins: SweepStarts, intervals: Floats | Integers) -> Times:
+        """Instants some strobe intervals later, (K, 1); of whole periods without rounding."""
+        numbers, phases = begins.numbers, begins.phases
+        whole = self._in_windows & (intervals == np.floor(intervals))
+        group = self._group
+        exact = whole | ~group.usable  # also what was refused and has no window
+        since = np.where(exact, 0.0, phases + intervals * group.lengths)
+        number, phase = instants(since, np.where(exact, 1.0, group.windows))
+        numbers = numbers + np.where(whole, intervals.astype(np.int64), number)
+        return Times(numbers[:, None], np.where(whole, phases, phase)[:, None])

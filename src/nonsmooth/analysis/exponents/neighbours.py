@@ -1,247 +1,218 @@
-"""What neighbours of a motion do: multipliers where it repeats, growth where it does not."""
+"""What neighbours of motions do: multipliers where these repeat, growth where they do not.
+
+All motions of a group are followed side by side, in as many calls of the engine as for one.
+"""
 
 from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.analysis.exponents.growth import Growth
-from nonsmooth.engine.status import Status
-from nonsmooth.engine.tables import EXACT, Tables
-from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.crew import Stopped
-from nonsmooth.runs.runner import Derivatives, NoMode
-from nonsmooth.runs.strobe_times import is_driven
-from nonsmooth.runs.tangent_flow import TangentFlow
+from nonsmooth.analysis.exponents.growth import begin_columns
+from nonsmooth.engine.tables import EXACT
+from nonsmooth.runs.sweep_runner import SweepRunner, SweepStarts, Times
+from nonsmooth.runs.sweep_tangents import SweepTangents
 
 __all__ = [
     "Neighbours",
-    "OrbitTangent",
+    "StrobeGrowth",
     "is_forgetful",
+    "may_forget",
     "multipliers_of",
-    "orbit_map",
+    "orbit_maps",
     "strobe_growth",
 ]
 
 _SUSPICION = 1e-6  # modulus of all multipliers from which the rank of the period is looked at
 
 _TOGETHER = 50  # strobes between which columns keep their length within the range of numbers
+_AT_ONCE = 1000  # strobes that are kept with columns which are not needed
 _SEED = 0  # of the direction in which the neighbour begins
 
+Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class OrbitTangent:
-    """A point of a motion that repeats, from where its derivatives are taken over a period."""
-
-    tables: Tables
-    derivatives: Derivatives
-    tolerance: float
-    state: Floats
-    mode: int
-    begin: Instant
-    end: Instant
-    lent: TangentFlow | None = None  # of the same system, with columns for all states
-
-    def flow(self) -> TangentFlow | None:
-        """Flow with the columns of all states; None where the mode does not take the point.
-
-        A point that lies on a guard belongs to a mode only by what came before.
-        """
-        flow = self.lent
-        if flow is None:
-            n = self.tables.sizes.states
-            flow = TangentFlow(self.tables, self.derivatives, n, self.tolerance)
-        flow.set_up(self.tables, self.derivatives)
-        try:
-            status = flow.start(self.state, self.begin, self.mode)
-        except NoMode:
-            return None
-        return flow if status == Status.COMPLETED else None
-
-
-def orbit_map(orbit: OrbitTangent, drifting: npt.NDArray[np.bool_]) -> Floats | None:
-    """Derivatives of the states at the end of a period by those at its begin, but for drifts.
-
-    Nothing depends on a drifting state, so the others stand in the block without it. None where
-    they are not known: a graze, a point that no mode takes.
-    """
-    flow = orbit.flow()
-    if flow is None:
-        return None
-    flow.set_columns(flow.first_columns)
-    if flow.run_to(orbit.end) != Status.COMPLETED:
-        return None
-    map_of_columns = flow.columns_at_end[~drifting][:, ~drifting]
-    return map_of_columns if np.all(np.isfinite(map_of_columns)) else None
-
-
-def multipliers_of(map_of_columns: Floats, autonomous: bool) -> npt.NDArray[np.complex128]:
-    """Multipliers of a period, the largest first.
-
-    A motion without forcing has one along itself, which is one and is left out; no motion has it
-    where it does not move.
-    """
-    values = np.asarray(np.linalg.eigvals(map_of_columns), complex)
-    if autonomous and values.size:
-        values = np.delete(values, np.argmin(np.abs(values - 1.0)))
-    return values[np.argsort(-np.abs(values), kind="stable")]
-
-
-def is_forgetful(
-    orbit: OrbitTangent,
-    multipliers: npt.NDArray[np.complex128],
-    drifting: npt.NDArray[np.bool_],
-) -> bool:
-    """Whether no perturbation outlives the period, but those along drifts.
-
-    Found by the rank of what every event does, so that strong contraction does not count.
-    """
-    if np.abs(multipliers).max(initial=0.0) > _SUSPICION:
-        return False
-    flow = orbit.flow()
-    if flow is None:
-        return False
-    growth = Growth(flow, flow.n, seed=0)
-    status, _rows = growth.through([orbit.end])
-    if status != Status.COMPLETED:
-        return False
-    return growth.n_left <= int(np.count_nonzero(drifting))
+Integers = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class Neighbours:
-    """From where neighbours are followed, and at which strobes they are looked at.
+    """From where neighbours of K motions are followed, and at which instants they are looked at.
 
-    The first strobe is the start; ``turn`` more pass until the neighbour has turned to where it
-    parts fastest.
+    The first instant is the start. Those motions that are not ``chosen`` are left out.
     """
 
-    tables: Tables
-    derivatives: Derivatives
-    tolerance: float
-    state: Floats
-    mode: int
-    numbers: npt.NDArray[np.int64]
-    phases: Floats
-    turn: int
-    drifting: npt.NDArray[np.bool_]
+    runner: SweepRunner
+    starts: SweepStarts
+    chosen: Bools  # (K,)
+    times: Times  # (K, s)
+    drifting: Bools  # (n,)
     stop: threading.Event | None = None
 
-    def attend(self) -> None:
-        """End the work where it is no longer wanted."""
-        if self.stop is not None and self.stop.is_set():
-            raise Stopped
-
-    @property
-    def begin(self) -> Instant:
-        """Instant of the first strobe."""
-        return Instant(int(self.numbers[0]), float(self.phases[0]))
-
-    def ends(self, first: int, last: int) -> list[Instant]:
-        """Instants of the strobes first ... last - 1."""
-        numbers, phases = self.numbers[first:last].tolist(), self.phases[first:last].tolist()
-        return [Instant(number, phase) for number, phase in zip(numbers, phases, strict=True)]
+    def begin(self, chosen: Bools) -> SweepTangents:
+        """Some of the motions at their starts, with the columns of all states."""
+        return SweepTangents(self.runner, self.starts, chosen, self.stop)
 
 
-def strobe_growth(neighbours: Neighbours) -> tuple[Status, Floats]:
+def orbit_maps(given: Neighbours) -> tuple[Bools, Floats]:
+    """Derivatives of the states at the last instants by those at the starts, but for drifts.
+
+    Nothing depends on a drifting state, so the others stand in the block without it.
+
+    returns: where they are known (K,), as neither at a graze nor for a start that no mode takes;
+    blocks (K, k, k)
+    """
+    flow = given.begin(given.chosen)
+    samples, _ = flow.run(given.times.at(slice(-1, None)), flow.columns)
+    still = ~given.drifting
+    blocks = samples[:, 0][:, still][:, :, still].copy()
+    known = given.chosen & flow.goes_on & np.all(np.isfinite(blocks), axis=(1, 2))
+    return known, blocks
+
+
+def multipliers_of(blocks: Floats, along: Bools) -> list[npt.NDArray[np.complex128]]:
+    """Multipliers of K period maps, (K, k, k), the largest first.
+
+    A motion without forcing has one ``along`` itself, (K,), which is one and is left out; no motion
+    has it where it does not move.
+    """
+    found = np.asarray(np.linalg.eigvals(blocks), complex)
+    return [_largest_first(*each) for each in zip(found, along.tolist(), strict=True)]
+
+
+def _largest_first(values: npt.NDArray[np.complex128], along: bool) -> npt.NDArray[np.complex128]:
+    if along and values.size:
+        values = np.delete(values, np.argmin(np.abs(values - 1.0)))
+    return values[np.argsort(-np.abs(values), kind="stable")]
+
+
+def may_forget(multipliers: npt.NDArray[np.complex128]) -> bool:
+    """Whether multipliers are so small that `is_forgetful` has to tell what they are."""
+    return bool(np.abs(multipliers).max(initial=0.0) <= _SUSPICION)
+
+
+def is_forgetful(given: Neighbours) -> Bools:
+    """Whether no perturbation outlives the last instants, but those along drifts, (K,).
+
+    Found by the rank of what every event does, so that strong contraction does not count.
+    """
+    flow = given.begin(given.chosen)
+    columns, growth = _begun(flow, given.chosen & flow.goes_on, given.drifting.size)
+    flow.run(given.times.at(slice(-1, None)), columns, growth)
+    left = np.count_nonzero(~np.isneginf(flow.growth), axis=1)
+    return given.chosen & flow.goes_on & (left <= np.count_nonzero(given.drifting))
+
+
+class StrobeGrowth(NamedTuple):
+    """Growth of a neighbour of each of K motions."""
+
+    statuses: Integers  # (K,): how each motion ended, or COMPLETED
+    has_mode: Bools  # (K,): whether a mode takes the start; there is no growth where none does
+    growth: Floats  # (K, intervals): logarithms
+
+
+def strobe_growth(given: Neighbours, turn: int) -> StrobeGrowth:
     """Logarithmic growth of a neighbour in each interval behind the turn, drifts left out.
 
-    returns: status, growth (intervals,); COMPLETED without growth where no mode takes the start
+    In ``turn`` intervals the neighbour turns to where it parts fastest.
     """
-    if not is_driven(neighbours.tables):
-        return _several_columns(neighbours)
-    found = _one_column(neighbours)
-    return _several_columns(neighbours) if found is None else found
+    if not given.runner.is_driven:
+        return _several_columns(given, given.chosen, turn)
+    found, lost = _one_column(given, turn)
+    if np.any(lost):
+        again = _several_columns(given, lost, turn)
+        for each, other in zip(found, again, strict=True):
+            each[lost] = other[lost]
+    return found
 
 
-def _one_column(given: Neighbours) -> tuple[Status, Floats] | None:
-    """One neighbour of a motion that is driven; None where its columns have to be looked after.
+def _begun(flow: SweepTangents, going: Bools, count: int) -> tuple[Floats, Floats]:
+    """Some orthonormal columns of the motions that go on, and their growth; zero for the others.
 
-    A motion whose modes have series is followed through the turn first, in which its column may be
+    shapes: going (K,); returns (K, count, n) and (K, count)
+    """
+    columns, growth = np.zeros_like(flow.columns[:, :count]), np.zeros((going.size, count))
+    generator = np.random.default_rng(_SEED)
+    columns[going], growth[going] = begin_columns(flow.columns[going], count, generator)
+    return columns, growth
+
+
+def _one_column(given: Neighbours, turn: int) -> tuple[StrobeGrowth, Bools]:
+    """One neighbour of motions that are driven, and whose columns have to be looked after, (K,).
+
+    Motions whose modes have series are followed through the turn first, in which a column may be
     lost.
     """
-    flow = TangentFlow(given.tables, given.derivatives, 1, given.tolerance)
-    try:
-        status = flow.start(given.state, given.begin, given.mode)
-    except NoMode:
-        return Status.COMPLETED, np.zeros(0)
-    growth = Growth(flow, 1, _SEED)
-    if status == Status.COMPLETED and np.any(given.tables.kinds != EXACT):
-        status, _rows = _through(given, growth, given.ends(1, given.turn + 1))
-        if growth.n_left == 0:
-            return None
-    if status != Status.COMPLETED:
-        return status, np.zeros(0)
-    flow.set_columns(growth.columns)
-    here = flow.here
-    since = (given.numbers - here.number) * flow.window + (given.phases - here.phase)
-    first = int(np.argmax(since >= 0.0))
-    return _sizes(given, flow, first)
-
-
-def _through(given: Neighbours, growth: Growth, ends: list[Instant]) -> tuple[Status, Floats]:
-    """Growth through some strobes, which ends where the work is no longer wanted."""
-    rows = [np.empty((0, len(growth.columns)))]
-    for k in range(0, len(ends), _TOGETHER):
-        given.attend()
-        status, part = growth.through(ends[k : k + _TOGETHER])
-        rows.append(part)
-        if status != Status.COMPLETED:
-            return status, np.concatenate(rows)
-    return Status.COMPLETED, np.concatenate(rows)
-
-
-def _sizes(given: Neighbours, flow: TangentFlow, first: int) -> tuple[Status, Floats]:
-    """Growth of the column from some strobe on, in chunks between which it is divided by its size.
-
-    Nothing depends on drifting states, so their part of the column is put to zero.
-    """
-    sizes: list[Floats] = []
-    lost = 0.0  # logarithm of what the column was divided by
-    for k in range(first, given.numbers.size, _TOGETHER):
-        given.attend()
-        part = slice(k, k + _TOGETHER)
-        status, _states, columns = flow.run_through(given.numbers[part], given.phases[part])
-        if status != Status.COMPLETED:
-            return status, np.zeros(0)
-        moving = columns[:, 0, ~given.drifting]
-        with np.errstate(divide="ignore"):  # a column that is lost
-            sizes.append(np.log(np.sqrt((moving * moving).sum(axis=1))) + lost)
-        column = np.where(given.drifting, 0.0, flow.columns[0])
-        size = float(np.sqrt(column @ column))
-        if size > 0.0 and np.isfinite(size):
-            lost += float(np.log(size))
-            flow.set_columns((column / size)[None])
+    flow = given.begin(given.chosen)
+    has_mode = flow.has_mode
+    columns, growth = _begun(flow, given.chosen & flow.goes_on, 1)
+    lost = np.zeros(given.chosen.size, bool)
+    if np.any(given.runner.kinds != EXACT):
+        flow.run(given.times.at(slice(turn, turn + 1)), columns, growth)
+        columns = flow.columns
+        lost = given.chosen & flow.goes_on & np.isneginf(flow.growth[:, 0])
+    sizes = _sizes(given, flow, columns, given.chosen & ~lost)
     with np.errstate(invalid="ignore"):
-        return Status.COMPLETED, np.diff(np.concatenate(sizes)[given.turn - first :])
+        return StrobeGrowth(flow.statuses, has_mode, np.diff(sizes[:, turn:], axis=1)), lost
 
 
-def _several_columns(given: Neighbours) -> tuple[Status, Floats]:
+def _sizes(given: Neighbours, flow: SweepTangents, columns: Floats, chosen: Bools) -> Floats:
+    """Logarithms of the size of one column (K, 1, n) at each instant from the anchors on, (K, s).
+
+    It is divided by its size at times. Nothing depends on drifting states, so their part of the
+    column is put to zero.
+    """
+    numbers, phases = given.times
+    here, phase = (each[:, None] for each in flow.anchors)
+    since = (numbers - here) * given.runner.windows[:, None] + (phases - phase)
+    first = np.argmax(since >= 0.0, axis=1)
+    sizes, total = np.full(numbers.shape, np.nan), numbers.shape[1]
+    divided = np.zeros(chosen.size)  # logarithm of what each column was divided by
+    for k in range(0, total, _TOGETHER):
+        places = first[:, None] + np.arange(k, k + _TOGETHER)
+        going = chosen & flow.goes_on & (places[:, 0] < total)
+        if not np.any(going):
+            break
+        # those that have fewer instants left stay at the last one
+        places = np.minimum(places[:, : total - int(places[going, 0].min())], total - 1)
+        samples, _ = flow.run(given.times.along(places), columns, chosen=going)
+        moving = samples[going, :, 0][..., ~given.drifting]
+        with np.errstate(divide="ignore"):  # a column that is lost
+            found = np.log(np.sqrt((moving * moving).sum(axis=2))) + divided[going, None]
+        sizes[np.flatnonzero(going)[:, None], places[going]] = found
+        column = np.where(given.drifting, 0.0, flow.columns[:, 0])
+        size = np.sqrt(column[:, None] @ column[:, :, None])[:, 0, 0]
+        known = going & (size > 0.0) & np.isfinite(size)
+        divided[known] += np.log(size[known])
+        columns = flow.columns.copy()
+        columns[known, 0] = column[known] / size[known, None]
+    return sizes
+
+
+def _several_columns(given: Neighbours, chosen: Bools, turn: int) -> StrobeGrowth:
     """The largest exponent of several, those nearest zero left out for drifts and for time.
 
     Columns are kept orthonormal.
     """
-    neutral = int(np.count_nonzero(given.drifting)) + int(not is_driven(given.tables))
+    neutral = int(np.count_nonzero(given.drifting)) + int(not given.runner.is_driven)
+    flow = given.begin(chosen)
+    has_mode = flow.has_mode
     count = min(given.drifting.size, neutral + 1)
-    flow = TangentFlow(given.tables, given.derivatives, count, given.tolerance)
-    try:
-        status = flow.start(given.state, given.begin, given.mode)
-    except NoMode:
-        return Status.COMPLETED, np.zeros(0)
-    if status != Status.COMPLETED:
-        return status, np.zeros(0)
-    status, rows = _through(given, Growth(flow, count, _SEED), given.ends(1, given.numbers.size))
-    if status != Status.COMPLETED:
-        return status, np.zeros(0)
-    logarithms = rows[given.turn - 1 :]
+    columns, growth = _begun(flow, chosen & flow.goes_on, count)
+    rows = [np.empty((chosen.size, 0, count))]
+    for k in range(1, given.times.numbers.shape[1], _AT_ONCE):
+        _, more = flow.run(given.times.at(slice(k, k + _AT_ONCE)), columns, growth)
+        columns, growth = flow.columns, flow.growth
+        rows.append(more)
+    logarithms = np.concatenate(rows, axis=1)[:, turn - 1 :]
+    if count == neutral:  # there is no other direction
+        found = np.full((chosen.size, logarithms.shape[1] - 1), -np.inf)
+        return StrobeGrowth(flow.statuses, has_mode, found)
     with np.errstate(invalid="ignore"):  # a column that was lost from the beginning
-        order = np.argsort(np.abs(logarithms[-1] - logarithms[0]), kind="stable")
-        left = logarithms[:, order[neutral:]]
-        if left.shape[1] == 0:  # there is no other direction
-            return status, np.full(len(logarithms) - 1, -np.inf)
-        return status, np.diff(left[:, 0])
+        moved = np.abs(logarithms[:, -1] - logarithms[:, 0])
+        order = np.argsort(moved, axis=1, kind="stable")[:, None, neutral, None]
+        left = np.take_along_axis(logarithms, order, axis=2)[..., 0]
+        return StrobeGrowth(flow.statuses, has_mode, np.diff(left, axis=1))

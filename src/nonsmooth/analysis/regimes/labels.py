@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -92,6 +93,14 @@ class Verdict:
         """The same evidence without a label."""
         return self.named(UNSETTLED, reason)
 
+    def with_multipliers(self, multipliers: npt.NDArray[np.complex128]) -> Verdict:
+        """The same evidence with multipliers over the period, and their exponent."""
+        modulus, exponent = float(np.abs(multipliers).max(initial=0.0)), np.nan
+        if multipliers.size:
+            with np.errstate(divide="ignore"):  # all multipliers are zero
+                exponent = float(np.log(modulus)) / (self.period * self.length)
+        return replace(self, multipliers=multipliers, exponent=exponent)
+
     @property
     def modulus(self) -> float:
         """Modulus of the largest multiplier, nan where none is known."""
@@ -131,7 +140,7 @@ def label_of_growth(
     least = LARGEST_GROWTH / duration
     if rates == (-np.inf, -np.inf):
         return attracting
-    if not np.all(np.isfinite(errors)):
+    if not all(map(math.isfinite, errors)):
         return ""
     both = float(np.hypot(*errors))
     if abs(rates[0] - rates[1]) > max(ERRORS * both, least):

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.chain_links import End
-from nonsmooth.analysis.exponents.interval_tangents import IntervalTangents
+from nonsmooth.analysis.exponents.interval_tangents import IntervalTangents, PeriodMaps
 from nonsmooth.analysis.exponents.neighbours import (
-    Neighbours,
     is_forgetful,
+    may_forget,
     multipliers_of,
     strobe_growth,
 )
@@ -25,9 +24,8 @@ from nonsmooth.analysis.regimes.window import Windows, cyclic_word, window_times
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.rest import comes_to_rest, natural_sizes, way_left
 from nonsmooth.engine.status import Status
-from nonsmooth.runs.clock import Instant, instants
+from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.crew import Stopped
-from nonsmooth.runs.strobe_times import hides_phase, is_driven
 from nonsmooth.runs.sweep_runner import Recorded, Times
 from nonsmooth.runs.whole_turns import whole_turns
 
@@ -36,11 +34,13 @@ __all__ = ["first_windows", "settled_regimes"]
 _CLOSING = 0.5  # of the residual of a window is left in the next one while a motion settles
 _ROUNDING = 1e-9  # of a multiplier
 _MORE_LOOKS = 4  # at a motion that was chaotic and is neither that nor settled when it is run on
+_UNKNOWN = "the derivatives over a period are not known, as at a graze"
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # its multiples fall evenly into an interval, whatever the motion
 
 Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
+Complexes = npt.NDArray[np.complex128]
 
 
 def first_windows(protocol: RegimeProtocol, group: Group) -> Times:
@@ -89,7 +89,7 @@ class _Motions:
     def __init__(self, protocol: RegimeProtocol, group: Group) -> None:
         self.protocol, self.group, self.system = protocol, group, group.system
         self.drifting = group.drifting
-        self.autonomous = not is_driven(group.runner.tables(0))
+        self.autonomous = not group.runner.is_driven
         nothing = np.full(self.drifting.size, np.nan)
         self.first_states = np.array(
             [nothing if start is None else start.state for start in group.starts]
@@ -126,8 +126,7 @@ class _Motions:
                 " is left: the motion may settle to a shorter period"
             )
         self._repeating(windows, seen, same & (now > 0) & ~on_the_way & ~resting)
-        for i in np.flatnonzero(resting).tolist():
-            self.verdicts[i] = self._at_rest(windows, i, seen[i])
+        self._at_rest(windows, seen, resting)
         closing = same & (now == 0) & ~is_last
         with np.errstate(invalid="ignore"):
             closer = rest_now < _CLOSING * rest_before
@@ -205,7 +204,7 @@ class _Motions:
             return resting
         small = (windows.ranges <= match * self.sizes) & still
         for i in np.flatnonzero(alive & ~resting & np.any(small, axis=1)).tolist():
-            block_over = partial(self._tangents.over_part, i, windows.last(i))
+            block_over = partial(self._tangents.over_part, i, windows.last)
             block, natural = block_over(1.0), natural_sizes(self.sizes[i, still], block_over)
             self.natural[i, still] = natural
             points, ranges = windows.points[i][:, still], windows.ranges[i, still]
@@ -245,17 +244,18 @@ class _Motions:
         within = windows.events.between(last - count, last)
         events, impacts = windows.events.counts(within)
         words = windows.events.words(last - count, within, alive & (period > 0))
-        motions = self.group.motions
+        motions, here = self.group.motions, np.arange(alive.size)
+        way = windows.travelled[:, -1] - windows.travelled[here, -1 - count]
+        drifts = way / count[:, None]
+        progress = self._progress(drifts).tolist()
         seen = {}
         for i in np.flatnonzero(alive).tolist():
-            points = windows.points[i]
-            drift = (windows.travelled[i, -1] - windows.travelled[i, -1 - count[i]]) / count[i]
             seen[i] = Verdict(
                 label=labels.UNSETTLED,
                 reason="",
                 transient_used=int(first[i]),
                 length=self.group.length(i),
-                drift=drift,
+                drift=drifts[i],
                 period=int(period[i]),
                 word=words[i],
                 events=float(events[i] / count[i]),
@@ -263,17 +263,21 @@ class _Motions:
                 residual=float(residual[i]),
                 uncertain=int(motions.uncertain[i]),
                 estimated=int(motions.estimated[i]),
-                progresses=self._progresses(i, drift),
-                last=(points[-1], int(windows.modes[i, -1])),
+                progresses=progress[i],
+                last=(windows.points[i, -1], int(windows.modes[i, -1])),
             )
         return seen
 
-    def _progresses(self, i: int, drift: Floats) -> int:
-        """Whether a state drifts by more than ``match`` of the size of the others, or an angle."""
+    def _progress(self, drifts: Floats) -> Integers:
+        """Whether a state drifts by more than ``match`` of the size of the others, or an angle.
+
+        shapes: drifts (M, n); returns (M,)
+        """
         match, turns = self.protocol.match, self.group.angle_periods
-        size = float(self.sizes[i, ~self.drifting].max(initial=0.0))
-        turning = (turns > 0.0) & (np.abs(drift) > match * turns)
-        return int(np.any((np.abs(drift) > match * size)[self.drifting]) or np.any(turning))
+        sizes = self.sizes[:, ~self.drifting].max(axis=1, initial=0.0)
+        going = self.drifting & (np.abs(drifts) > match * sizes[:, None])
+        turning = (turns > 0.0) & (np.abs(drifts) > match * turns)
+        return np.any(going | turning, axis=1).astype(np.int64)
 
     def _repeating(self, windows: Windows, seen: dict[int, Verdict], chosen: Bools) -> None:
         """Multipliers decide whether motions that repeat are some to settle to."""
@@ -287,34 +291,67 @@ class _Motions:
         for i in np.flatnonzero(chosen).tolist():
             if cyclic_word(words[i]) != cyclic_word(seen[i].word):
                 self.verdicts[i] = seen[i].unsettled("the words of two periods differ")
-            else:
-                self.verdicts[i] = self._by_multipliers(windows, i, seen[i])
+                chosen[i] = False
+        self._by_multipliers(windows, seen, chosen, periods)
 
-    def _by_multipliers(self, windows: Windows, i: int, seen: Verdict) -> Verdict:
-        """Label of a motion that repeats, by its multipliers."""
-        p, match = seen.period, self.protocol.match
-        steady = p == 1 and seen.events == 0
-        steady = steady and windows.rests(i, self.drifting, self.sizes[i], match)
-        self.reached[i] += 2  # what follows looks into the next two intervals
-        found = self._tangents.over_period(i, windows.last(i), p)
-        if self._has_ended(i):
-            return self._ended(i, int(self.reached[i]))
-        if found is None:
-            return seen.unsettled("the derivatives over a period are not known, as at a graze")
-        orbit, block = found
+    def _by_multipliers(
+        self, windows: Windows, seen: dict[int, Verdict], chosen: Bools, periods: Integers
+    ) -> None:
+        """Verdicts on motions that repeat, by their multipliers."""
+        match, self.reached[chosen] = self.protocol.match, self.reached[chosen] + 2
+        maps = self._period_maps(windows, seen, chosen, periods)
+        steady = np.zeros(chosen.size, bool)
+        for i in np.flatnonzero(maps.known).tolist():
+            steady[i] = periods[i] == 1 and seen[i].events == 0
+            steady[i] &= windows.rests(i, self.drifting, self.sizes[i], match)
         # along a motion in which drifts alone change no other direction is neutral
-        multipliers = multipliers_of(block, self.autonomous and not steady)
-        seen = self._with_multipliers(i, seen, multipliers)
-        if seen.multipliers.size and seen.modulus > 1.0 - _ROUNDING:
-            return seen.unsettled(f"strobes repeat, but {_neutral(seen.modulus)}")
-        if steady:
-            creeps = self._creeps(windows, i, block) if self.autonomous and block.size else ""
-            return seen.unsettled(creeps) if creeps else self._steady(windows, i, seen)
-        if is_forgetful(orbit, multipliers, self.drifting):
-            lost: dict[str, Any] = {"multipliers": np.zeros_like(multipliers), "exponent": -np.inf}
-            seen = replace(seen, **lost)
-            return seen.named(labels.LOCKED, "every perturbation is lost within a period")
-        return seen.named(labels.PERIODIC, _repeats(seen) + self._turned(seen))
+        multipliers = self._multipliers(maps, self.autonomous & ~steady)
+        forgetful = self._forgetful(maps, multipliers)
+        for i, own in multipliers.items():
+            one = seen[i].with_multipliers(own)
+            if own.size and one.modulus > 1.0 - _ROUNDING:
+                self.verdicts[i] = one.unsettled(f"strobes repeat, but {_neutral(one.modulus)}")
+            elif steady[i]:
+                block = maps.blocks[i]
+                creeps = self._creeps(windows, i, block) if self.autonomous and block.size else ""
+                self.verdicts[i] = (
+                    one.unsettled(creeps) if creeps else self._steady(windows, i, one)
+                )
+            elif forgetful[i]:
+                one = replace(one, multipliers=np.zeros_like(own), exponent=-np.inf)
+                said = "every perturbation is lost within a period"
+                self.verdicts[i] = one.named(labels.LOCKED, said)
+            else:
+                said = _repeats(one) + self._turned(one)
+                self.verdicts[i] = one.named(labels.PERIODIC, said)
+
+    def _period_maps(
+        self, windows: Windows, seen: dict[int, Verdict], chosen: Bools, periods: Integers
+    ) -> PeriodMaps:
+        """Derivatives of the chosen motions over their periods.
+
+        Those that have ended on the way, or whose derivatives are not known, get their verdicts.
+        """
+        maps = self._tangents.over_periods(chosen, windows.last, periods)
+        going = self._still_going(chosen, self.reached)
+        for i in np.flatnonzero(going & ~maps.known).tolist():
+            self.verdicts[i] = seen[i].unsettled(_UNKNOWN)
+        return maps._replace(known=maps.known & going)
+
+    def _multipliers(self, maps: PeriodMaps, along: Bools) -> dict[int, Complexes]:
+        """Multipliers of the motions whose period maps are known, one ``along`` them left out."""
+        known = np.flatnonzero(maps.known)
+        found = multipliers_of(maps.blocks[known], along[known])
+        return dict(zip(known.tolist(), found, strict=True))
+
+    def _forgetful(self, maps: PeriodMaps, multipliers: dict[int, Complexes]) -> Bools:
+        """Which motions lose every perturbation within their period, (M,)."""
+        asked = np.zeros(maps.known.size, bool)
+        for i, own in multipliers.items():
+            asked[i] = may_forget(own)
+        if not np.any(asked):
+            return asked
+        return is_forgetful(self._tangents.neighbours(maps.starts, maps.ends, asked))
 
     def _turned(self, seen: Verdict) -> str:
         """How far angles have turned when a motion repeats, in words."""
@@ -329,38 +366,32 @@ class _Motions:
             if count
         )
 
-    def _at_rest(self, windows: Windows, i: int, seen: Verdict) -> Verdict:
-        """Label of a motion that rests, or is on the last of its way there.
+    def _at_rest(self, windows: Windows, seen: dict[int, Verdict], chosen: Bools) -> None:
+        """Verdicts on motions that rest, or are on the last of their way there.
 
         Derivatives over an interval say nothing of an equilibrium on a surface, where states pass
         from mode to mode for ever; that they came there does.
         """
-        step = np.abs(windows.points[i, -1] - windows.points[i, -2])[~self.drifting]
-        natural = self.natural[i, ~self.drifting]
-        unit = np.where(natural > 0.0, natural, 1.0)
-        seen = replace(seen, residual=float((step / unit).max()))
-        self.reached[i] += 2
-        found = self._tangents.over_period(i, windows.last(i), 1)
-        if self._has_ended(i):
-            return self._ended(i, int(self.reached[i]))
-        multipliers = None if found is None else multipliers_of(found[1], autonomous=False)
-        known = multipliers is not None and abs(multipliers[0]) <= 1.0 - _ROUNDING
-        if multipliers is not None and (known or not windows.passes[i]):
-            seen = self._with_multipliers(i, seen, multipliers)
-        if not (known or windows.passes[i]):
-            why = "the derivatives are not known" if found is None else _neutral(seen.modulus)
-            return seen.unsettled(f"nothing moves, but {why}")
-        return self._steady(windows, i, seen)
-
-    def _with_multipliers(
-        self, i: int, seen: Verdict, multipliers: npt.NDArray[np.complex128]
-    ) -> Verdict:
-        """What is seen of a motion, with multipliers over its period and their exponent."""
-        modulus, exponent = float(np.abs(multipliers).max(initial=0.0)), np.nan
-        if multipliers.size:
-            with np.errstate(divide="ignore"):  # all multipliers are zero
-                exponent = float(np.log(modulus)) / (seen.period * self.group.length(i))
-        return replace(seen, multipliers=multipliers, exponent=exponent)
+        if not np.any(chosen):
+            return
+        self.reached[chosen] += 2
+        maps = self._tangents.over_periods(chosen, windows.last, np.ones(chosen.size, np.int64))
+        found = self._multipliers(maps, np.zeros(chosen.size, bool))
+        for i in np.flatnonzero(self._still_going(chosen, self.reached)).tolist():
+            step = np.abs(windows.points[i, -1] - windows.points[i, -2])[~self.drifting]
+            natural = self.natural[i, ~self.drifting]
+            unit = np.where(natural > 0.0, natural, 1.0)
+            one = replace(seen[i], residual=float((step / unit).max()))
+            multipliers = found.get(i)
+            known = multipliers is not None and abs(multipliers[0]) <= 1.0 - _ROUNDING
+            if multipliers is not None and (known or not windows.passes[i]):
+                one = one.with_multipliers(multipliers)
+            if known or windows.passes[i]:
+                self.verdicts[i] = self._steady(windows, i, one)
+            else:
+                open_yet = "the derivatives are not known"
+                why = open_yet if multipliers is None else _neutral(one.modulus)
+                self.verdicts[i] = one.unsettled(f"nothing moves, but {why}")
 
     def _steady(self, windows: Windows, i: int, seen: Verdict) -> Verdict:
         """Label of a motion in which drifts alone may change."""
@@ -376,7 +407,7 @@ class _Motions:
         """Why a motion whose strobes hardly differ has a way to go, "" where it has none."""
         still, match = ~self.drifting, self.protocol.match
         away = way_left(windows.points[i, -2:][:, still], block)[0]
-        block_over = partial(self._tangents.over_part, i, windows.last(i))
+        block_over = partial(self._tangents.over_part, i, windows.last)
         far = away > match * natural_sizes(self.sizes[i, still], block_over)
         if not np.any(far):
             return ""
@@ -397,34 +428,27 @@ class _Motions:
         going = self._still_going(chosen, self.reached)
         self.evidence[going] = self.reached[going, None] + turn + np.array([0, count])
         self.reached[going] += turn + 2 * count
+        starts = windows.last._replace(numbers=times.numbers[:, 0], phases=times.phases[:, 0])
+        found = strobe_growth(self._tangents.neighbours(starts, times, going), turn)
         for i in np.flatnonzero(going).tolist():
-            neighbours = Neighbours(
-                *self._tangents.tables_of(i), group.runner.tolerance, windows.points[i, -1],
-                int(windows.modes[i, -1]), times.numbers[i], times.phases[i], turn,
-                self.drifting, group.stop,
-            )  # fmt: skip
-            self.verdicts[i] = self._by_neighbours(i, seen[i], neighbours, states[i])
-
-    def _by_neighbours(
-        self, i: int, seen: Verdict, neighbours: Neighbours, states: Floats
-    ) -> Verdict:
-        """Label of a motion that does not repeat, from how its neighbours part from it."""
-        status, growth = strobe_growth(neighbours)
-        if status != Status.COMPLETED:
-            return seen.named(labels.label_of_end(status), f"ended early: {status.word}")
-        if growth.size == 0:
-            return seen.unsettled("no mode takes the last strobe as a start of derivatives")
-        kept, length = states[neighbours.turn - 1 :], self.group.length(i)
-        strobes, looks = (kept[::2], kept[1::2]) if self.autonomous else (kept, kept[1:])
-        evidence = Evidence(
-            growth, strobes, looks, length, tuple(self.system.states), self.drifting,
-            self.group.angle_periods > 0.0, self.sizes[i], self.autonomous,
-            hides_phase(self.group.runner.tables(i), length),
+            status = Status(int(found.statuses[i]))
+            if not found.has_mode[i]:
+                why = "no mode takes the last strobe as a start of derivatives"
+                self.verdicts[i] = seen[i].unsettled(why)
+            elif status != Status.COMPLETED:
+                why = f"ended early: {status.word}"
+                self.verdicts[i] = seen[i].named(labels.label_of_end(status), why)
+        known = np.flatnonzero(going & found.has_mode & (found.statuses == Status.COMPLETED))
+        evidence = Evidence.of(
+            group, known, found.growth[known], states[known, turn - 1 :], self.sizes[known],
+            self.protocol.match,
         )  # fmt: skip
-        found = by_growth(seen, evidence, self.protocol)
-        if found.label != labels.CHAOTIC:
-            return found
-        return replace(found, chaotic_for=int(self.evidence[i, 1] - self.evidence[i, 0]))
+        for k, i in enumerate(known.tolist()):
+            verdict = by_growth(seen[i], evidence, k, self.protocol)
+            if verdict.label == labels.CHAOTIC:
+                length = int(self.evidence[i, 1] - self.evidence[i, 0])
+                verdict = replace(verdict, chaotic_for=length)
+            self.verdicts[i] = verdict
 
     def _looks(self, times: Times, turn: int, chosen: Bools) -> Times:
         """Strobes, and behind the turn one more look within every interval, ever elsewhere in it.
@@ -433,18 +457,12 @@ class _Motions:
         """
         first = np.arange(turn, times.numbers.shape[1] - 1)
         parts = (1.0 + np.arange(first.size)) * _GOLDEN % 1.0
-        more = np.zeros((self.group.count, first.size), np.int64)
-        inside = np.zeros(more.shape)
-        for i in np.flatnonzero(chosen).tolist():
-            since = times.phases[i, first] + parts * self.group.length(i)
-            more[i], inside[i] = instants(since, float(self.group.windows[i]))
+        since = times.phases[:, first] + parts * self.group.lengths[:, None]
+        more, inside = self.group.instants(since, chosen)
         return Times(
             np.insert(times.numbers, first + 1, times.numbers[:, first] + more, axis=1),
             np.insert(times.phases, first + 1, inside, axis=1),
         )
-
-    def _has_ended(self, i: int) -> bool:
-        return int(self.group.motions.statuses[i]) != Status.COMPLETED
 
     def _ended(self, i: int, first: int) -> Verdict:
         """A motion that did not go on."""

@@ -20,15 +20,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
-from nonsmooth.analysis.exponents.interval_tangents import Strobe
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.regimes.labels import NEARLY
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.periodicity import nearest_returns, scales, settled_periods
 from nonsmooth.analysis.statistics.rest import halves
 from nonsmooth.analysis.zero_one_test import correlations_of
-from nonsmooth.runs.clock import Instant, instants
-from nonsmooth.runs.sweep_runner import Recorded, Times
+from nonsmooth.runs.sweep_runner import Recorded, SweepStarts, Times
 
 __all__ = [
     "APART",
@@ -40,7 +38,7 @@ __all__ = [
     "no_closed_orbit",
     "rest_floor",
     "rotation_number",
-    "runs_away",
+    "run_away",
     "shrinks",
     "strobe_test",
     "travels",
@@ -69,11 +67,8 @@ _TURNS = 3  # round a circle in each half of a series, or more, are rotation
 def window_times(group: Group, record: int, first: int | Integers, chosen: Bools) -> Times:
     """Strobes of two windows of the chosen motions after so many ones, with the looks between."""
     numbers, phases = group.strobes(first, 2 * record + 1, chosen)
-    more, inside = np.zeros((2, group.count, _BETWEEN.size))
-    for i in np.flatnonzero(chosen).tolist():
-        since = phases[i, -2] + _BETWEEN * group.length(i)
-        more[i], inside[i] = instants(since, float(group.windows[i]))
-    between = numbers[:, -2:-1] + more.astype(np.int64)
+    more, inside = group.instants(phases[:, -2:-1] + _BETWEEN * group.lengths[:, None], chosen)
+    between = numbers[:, -2:-1] + more
     return Times(
         np.concatenate([numbers[:, :-1], between, numbers[:, -1:]], axis=1),
         np.concatenate([phases[:, :-1], inside, phases[:, -1:]], axis=1),
@@ -116,10 +111,12 @@ class Windows:
         """Strobe intervals of each window."""
         return (self.points.shape[1] - 1) // 2
 
-    def last(self, i: int) -> Strobe:
-        """The last strobe of motion i."""
-        instant = Instant(int(self.numbers[i, -1]), float(self.phases[i, -1]))
-        return Strobe(self.points[i, -1], int(self.modes[i, -1]), instant)
+    @cached_property
+    def last(self) -> SweepStarts:
+        """The last strobes of the motions, as points from where derivatives are taken."""
+        return SweepStarts(
+            self.points[:, -1], self.modes[:, -1], self.numbers[:, -1], self.phases[:, -1]
+        )
 
     @cached_property
     def passes(self) -> Bools:
@@ -221,16 +218,19 @@ def elsewhere(earlier: Floats, later: Floats, floor: Floats) -> npt.NDArray[np.b
     the mean difference counts beside the spread of both windows. A short spike, which samples may
     miss, counts for no more than it lasts.
 
-    shapes: earlier and later (K, n); floor (n,): a spread below it is none
+    shapes: earlier and later (..., K, n); floor (..., n): a spread below it is none
     """
-    spread = np.ptp(np.concatenate([earlier, later]), axis=0)
-    away = np.abs(np.sort(later, axis=0) - np.sort(earlier, axis=0)).mean(axis=0)
+    spread = np.ptp(np.concatenate([earlier, later], axis=-2), axis=-2)
+    away = np.abs(np.sort(later, axis=-2) - np.sort(earlier, axis=-2)).mean(axis=-2)
     return np.asarray(away > APART * np.maximum(spread, floor))
 
 
 def rest_floor(states: Floats, sizes: Floats, match: float) -> Floats:
-    """Spread of each state below which it rests, or is rounding, (n,)."""
-    rounding = 4.0 * _EPSILON / match * np.abs(states).max(axis=0)
+    """Spread of each state below which it rests, or is rounding, (..., n).
+
+    shapes: states (..., K, n), sizes (..., n) since the start
+    """
+    rounding = 4.0 * _EPSILON / match * np.abs(states).max(axis=-2)
     return np.maximum(match * match * sizes, rounding)
 
 
@@ -251,9 +251,8 @@ def no_closed_orbit(
         )
     both = np.concatenate([earlier, later])
     floor = rest_floor(both, sizes, match)
-    shrinking = shrinks(earlier, later, floor)
-    if shrinking:
-        return shrinking
+    if shrinks(earlier, later, floor):
+        return SHRINKING
     changed = elsewhere(earlier, later, floor)
     if np.any(changed):
         which = ", ".join(name for name, is_one in zip(names, changed, strict=True) if is_one)
@@ -271,26 +270,26 @@ def no_closed_orbit(
     return ""
 
 
-def shrinks(earlier: Floats, later: Floats, floor: Floats) -> str:
-    """Why two windows show a motion that dies away, "" where they do not.
+def shrinks(earlier: Floats, later: Floats, floor: Floats) -> Bools:
+    """Whether two windows show motions that die away.
 
     All states spread less: by half or more, however short the decay was beside the window, or by
     as much as tells one set of values from another. A torus or a cycle of which a window shows a
-    part has some states that spread more. floor (n,): a spread below it is none
+    part has some states that spread more.
+
+    shapes: earlier and later (..., K, n); floor (..., n): a spread below it is none; returns (...)
     """
-    before, now = np.ptp(earlier, axis=0), np.ptp(later, axis=0)
+    before, now = np.ptp(earlier, axis=-2), np.ptp(later, axis=-2)
     moves = before > floor
     less = (now <= _HALF * before) | (elsewhere(earlier, later, floor) & (now < before))
-    if np.any(moves) and np.all(less[moves]) and np.all(now[~moves] <= floor[~moves]):
-        return SHRINKING
-    return ""
+    shrinking = np.where(moves, less, now <= floor)
+    return np.asarray(np.any(moves, axis=-1) & np.all(shrinking, axis=-1))
 
 
-def runs_away(earlier: Floats, later: Floats) -> str:
-    """Why two windows show a motion that grows without bound, "" where they do not."""
-    if np.any(np.ptp(later, axis=0) > _RUNAWAY * np.ptp(earlier, axis=0)):
-        return "the motion grows tenfold from window to window"
-    return ""
+def run_away(earlier: Floats, later: Floats) -> Bools:
+    """Whether two windows, (..., K, n) each, show motions that grow tenfold, without bound."""
+    more = np.ptp(later, axis=-2) > _RUNAWAY * np.ptp(earlier, axis=-2)
+    return np.asarray(np.any(more, axis=-1))
 
 
 def travels(earlier: Floats, later: Floats, names: tuple[str, ...]) -> str:
@@ -303,16 +302,18 @@ def travels(earlier: Floats, later: Floats, names: tuple[str, ...]) -> str:
 
 
 class StrobeTest(NamedTuple):
-    """K of a series, and how near it comes to repeating: root mean square, in its own scatter."""
+    """K of a series, nan where not asked for; how near it comes to repeating, in its scatter."""
 
     k: float
     nearest: float
 
 
-def strobe_test(values: Floats) -> StrobeTest:
-    """Test of one series without its strongest period."""
+def strobe_test(values: Floats, *, asked: bool) -> StrobeTest:
+    """Test of one series without its strongest period; K is left open where it is not asked for."""
     distance = _distances(values, min(_LONGEST, values.size // 4))
     p = 1 + int(np.argmin(distance))
+    if not asked:
+        return StrobeTest(np.nan, float(distance[p - 1]))
     rest = values - values.mean()
     for k in range(p):
         rest[k::p] -= rest[k::p].mean()

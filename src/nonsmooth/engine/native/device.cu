@@ -53,7 +53,7 @@ NONSMOOTH_KERNEL nonsmooth_sweep_on_device(const Segment* segments, const TableS
         if (task->statuses[k] != COMPLETED) continue;
         shared.segment.pause->work = task->work;
         const Index room = task->events.size() > 0 ? task->logs[k + 1] - task->logs[k] : 0;
-        const Motion motion{*stack, shared, anchor_at(*anchors, k), tangent_at(none.tangents, 0),
+        const Motion motion{*stack, shared, anchor_at(*anchors, k), tangent_at(none.tangents, k),
                             *task,  k,      room};
         int64_t stage = SETTLING_DOWN;
         task->statuses[k] = pass_motion(motion, stage);

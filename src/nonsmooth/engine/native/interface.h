@@ -449,7 +449,8 @@ typedef struct LaneTask {
 
 /* Motions at K sets of parameter values, one after the other: each begins at its anchor, settles
  * until its first sample, and is recorded up to its end. Motions that follow begin where the one
- * before has ended, at the instants of `begins`, but for states that drift. */
+ * before has ended, at the instants of `begins`, but for states that drift. The tangents have a lane
+ * for each motion, with or without columns. */
 typedef struct SweepTask {
     Array(int64_t, 1) modes;         /* (K,): ANY, a mode, or SAME minus a mode */
     Array(Instant, 1) begins;        /* (K,) of motions that follow; none where all start anew */
@@ -461,7 +462,7 @@ typedef struct SweepTask {
     Array(EventRow, 1) events;       /* (c,): logs one after the other; c = 0 where there is none */
     Array(double, 3) event_states;   /* (c, 2, n): before and after */
     Array(int64_t, 1) logs;          /* (K + 1,): first row of each log, and the end of the last */
-    Array(Counters, 1) settling;     /* (K,) until the first sample */
+    Array(Counters, 1) settling;     /* (K,) until the first sample, from those of a call before on */
     Array(Counters, 1) recording;    /* (K,) from there on */
     Array(double, 2) end_state;      /* (K, n) */
     Array(Instant, 1) since;         /* (K,) */

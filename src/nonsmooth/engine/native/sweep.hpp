@@ -1,7 +1,8 @@
 // Motions at many sets of parameter values, one after the other in one call.
 //
 // Each settles, without a log, until its first sample; from there on it is recorded. Python would
-// pay as much for three calls and their records as a motion of some hundred periods takes.
+// pay as much for three calls and their records as a motion of some hundred periods takes. Each may
+// carry columns of derivatives of its own.
 #pragma once
 
 #include "lanes.hpp"
@@ -77,16 +78,29 @@ inline void follow(const Motion& motion, const Anchor& before) {
     task.modes[k] = SAME - before.place.mode;
 }
 
+// Counters with which a motion is recorded that has settled: what it counts on the way goes on, so
+// that impacts which accumulate do so across its first sample.
+inline Counters counters_since(const Counters& settled) {
+    Counters counters = settled;
+    counters.samples = counters.events = counters.segments = 0;
+    counters.uncertain = counters.estimated = 0;
+    return counters;
+}
+
 // Run motion k from the stage where it is; PAUSED and BUFFER_FULL ask to be called again.
 inline Status pass_motion(const Motion& motion, int64_t& stage) {
+    const SweepTask& task = motion.task;
     Status status = COMPLETED;
     if (stage == SETTLING_DOWN) {
         status = run_motion(motion, settling_records(motion), first_sample(motion));
-        if (status == COMPLETED) stage = RECORDING;
+        if (status == COMPLETED) {
+            stage = RECORDING;
+            task.recording[motion.k] = counters_since(task.settling[motion.k]);
+        }
     }
     if (stage == RECORDING) {
-        if (motion.task.events.size() > 0 && motion.room <= 1) return BUFFER_FULL;
-        const WindowPhase end = window_phase(motion.task.ends[motion.k]);
+        if (task.events.size() > 0 && motion.room <= 1) return BUFFER_FULL;
+        const WindowPhase end = window_phase(task.ends[motion.k]);
         status = run_motion(motion, recording_records(motion), end);
     }
     return status;
@@ -99,7 +113,7 @@ inline Status run_sweep(const TableStack& stack, const Shared& shared, const Anc
     const Index count = task.statuses.size();
     for (Index& k = task.next; k < count; ++k) {
         const Index room = task.events.size() - task.logs[k];  // that those before have left
-        const Motion motion{stack, shared, anchor_at(anchors, k), tangent_at(tangents, 0),
+        const Motion motion{stack, shared, anchor_at(anchors, k), tangent_at(tangents, k),
                             task,  k,      room};
         if (task.stage == BEGINNING && task.statuses[k] == COMPLETED) {
             const bool follows = k > 0 && task.begins.size() > 0;
