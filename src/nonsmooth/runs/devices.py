@@ -60,8 +60,8 @@ def use_device(name: str) -> AbstractContextManager[Any]:
     last digit of functions such as the exponential, so labels agree, and a chaotic motion parts
     from that of the processor as it parts from itself after a change of the last digit. Only
     systems whose modes, guards and resets are linear run there; for others a warning says that the
-    processor does the work. The kernels are compiled when they are first used, which takes a
-    minute, and kept for the next time.
+    processor does the work. The kernels are compiled when they are first used, which takes
+    some minutes, and kept for the next time.
 
     Examples
     --------
