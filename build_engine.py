@@ -151,7 +151,7 @@ def write_declarations() -> None:
 def device_source() -> str:
     """The kernels for graphics devices as one text, which their compiler reads without files.
 
-    Headers of the C++ library stand where there is one; elsewhere device_standard.hpp does for them.
+    It includes the C++ library where there is one; elsewhere device_standard.hpp stands for it.
     """
     standard: list[str] = []
     known: set[str] = set()
