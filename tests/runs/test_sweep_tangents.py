@@ -111,6 +111,28 @@ def test_growth_of_a_group_is_that_of_each_motion(system, name, values):
         np.testing.assert_array_equal(group.growth[k], growth.at_anchor)
 
 
+@pytest.mark.parametrize("together", [1, 7, 40, 1000])
+@pytest.mark.parametrize("work", [sweeps.WORK, 20_000])
+def test_a_column_that_is_divided_grows_as_an_orthonormal_one(monkeypatch, together, work):
+    """However often it is divided by its size, and however often the engine pauses."""
+    monkeypatch.setattr(sweeps, "WORK", work)
+    system, name, values = _GROUPS[0]
+    alone, group = _group(system, name, values)
+    columns, _ = begin_columns(group.columns, 1, np.random.default_rng(_SEED))
+    sizes = np.ones((len(values), -(-120 // together)))
+    division = sweeps.Division(sizes, np.zeros(2, bool), together)
+    found, _ = group.run(_times(len(values), 120), columns, division=division)
+    divided = np.zeros(sizes.shape)
+    divided[:, 1:] = np.cumsum(np.log(sizes), axis=1)[:, :-1]
+    lengths = np.log(np.linalg.norm(found[:, :, 0], axis=2))
+    lengths += np.repeat(divided, together, axis=1)[:, :120]
+    for k, each in enumerate(alone):
+        growth = Growth(each.flow, 1, _SEED)
+        _, rows = growth.through([Instant(number, 0.0) for number in range(1, 121)])
+        # some hundred segments, each of which rounds a column of length one by some 1e-16
+        np.testing.assert_allclose(lengths[k], rows[:, 0], atol=1e-11)
+
+
 def test_columns_solve_the_variational_equations():
     """Of Duffing's equation at three amplitudes, by DOP853 at 1e-12, over two periods."""
     values = (0.25, 0.4, 0.5)

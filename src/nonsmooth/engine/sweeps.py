@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,9 +15,22 @@ from nonsmooth.engine.record import Floats, Integers, Record, Rows, array_pointe
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Sizes, Tables
 
-__all__ = ["REPEATS", "Sweep", "allocate_sweep", "primitive_periods", "run_sweep", "scales"]
+__all__ = [
+    "REPEATS", "Division", "Sweep", "allocate_sweep", "primitive_periods", "run_sweep", "scales",
+]  # fmt: skip
 
 REPEATS = constant("REPEATS")  # times that a period must be seen to be believed
+
+
+class Division(NamedTuple):
+    """Divides the one column of each of K motions by its size, so that it stays a number.
+
+    Its entries of states that drift, on which nothing depends, become zero.
+    """
+
+    sizes: Floats  # (K, d) output, d being enough for all samples; one where a column has no size
+    drifting: npt.NDArray[np.bool_]  # (n,)
+    together: int  # samples behind which it is divided
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +54,9 @@ class Sweep(Record):
     end_state: Floats  # (K, n)
     since: Rows  # (K,)
     statuses: Integers  # (K,): those that are not COMPLETED at the start are left out
+    sizes: Floats  # (K, d) by which the column of each was divided behind so many samples
+    drifting: npt.NDArray[np.bool_]  # (n,): states that count for no size
+    together: int
     next: int
     stage: int
     tolerance: float
@@ -68,8 +84,9 @@ def allocate_sweep(
     room: int,
     tolerance: float,
     follows: bool = False,
+    division: Division | None = None,
 ) -> Sweep:
-    """A sweep with room for so many events, or without a log.
+    """A sweep with room for so many events, or without a log; columns are divided by their sizes.
 
     shapes: modes (K,), sample_number and sample_phase (K, s), ends (K,) windows and phases
     """
@@ -92,6 +109,7 @@ def allocate_sweep(
         events=zeros(Sweep.struct, events=(room,))["events"],
         event_states=np.empty((room, 2, n)),
         end_state=np.full((count, n), np.nan),
+        **(division or Division(np.zeros((count, 0)), np.zeros(n, bool), 0))._asdict(),
         next=0,
         stage=0,
         tolerance=tolerance,

@@ -24,7 +24,7 @@ from nonsmooth.engine.lanes import (
 )
 from nonsmooth.engine.record import Rows, dtype_of, zeros
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.sweeps import Sweep, allocate_sweep, run_sweep
+from nonsmooth.engine.sweeps import Division, Sweep, allocate_sweep, run_sweep
 from nonsmooth.engine.tables import Tables, allocate_stack, set_up
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.devices import device_for
@@ -230,6 +230,7 @@ class SweepRunner:
         log: bool = True,
         sets: slice | None = None,
         columns: Tangent | None = None,
+        division: Division | None = None,
         stop: threading.Event | None = None,
     ) -> Recorded:
         """Run the motions that can go on to their first times, and on to the last with a log.
@@ -237,12 +238,13 @@ class SweepRunner:
         They belong to all sets, or to those at ``sets``. Only those that are ``chosen``, (K,),
         where not all are. ``ends`` (K, 1) lie at the last times or behind them. ``follows`` has
         the instants (K, 1) where motions go on that follow the one before, if that has come to its
-        end. ``columns`` of derivatives are those of `columns`; a start makes them the identity.
+        end. ``columns`` of derivatives are those of `columns`; a start makes them the identity. One
+        of each motion may be divided by its size, see `Division`.
         """
         last = (times if ends is None else ends).last
         sweep = allocate_sweep(
             self._sizes, motions.modes, *times, ends=last, room=_FIRST_EVENTS if log else 0,
-            tolerance=self.tolerance, follows=follows is not None,
+            tolerance=self.tolerance, follows=follows is not None, division=division,
         )  # fmt: skip
         if follows is not None:
             sweep.begins["number"], sweep.begins["phase"] = (each[:, 0] for each in follows)

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.status import Status
+from nonsmooth.engine.sweeps import Division
 from nonsmooth.runs.sweep_runner import SweepRunner, SweepStarts, Times
 
 __all__ = ["SweepTangents"]
@@ -24,7 +25,8 @@ Integers = npt.NDArray[np.int64]
 class SweepTangents:
     """K motions at their starts, what happens there being behind them, with all n columns.
 
-    Those that are not ``chosen``, (K,), are left out.
+    Those that are not ``chosen``, (K,), are left out. With ``until``, (K, s), they have gone on to
+    the last of some times; ``samples``, (K, s, n, n), are the columns there.
     """
 
     def __init__(
@@ -33,31 +35,35 @@ class SweepTangents:
         starts: SweepStarts,
         chosen: Bools,
         stop: threading.Event | None = None,
+        until: Times | None = None,
     ) -> None:
         self._runner, self._stop = runner, stop
         self._motions = runner.start(starts, chosen)
         count, n = starts.states.shape
         begin = Times(starts.numbers[:, None].copy(), starts.phases[:, None].copy())
-        self.run(begin, np.tile(np.eye(n), (count, 1, 1)))
+        self.samples, _ = self.run(until or begin, np.tile(np.eye(n), (count, 1, 1)))
 
     def run(
         self,
         times: Times,
         columns: Floats,
         growth: Floats | None = None,
+        *,
+        division: Division | None = None,
         chosen: Bools | None = None,
     ) -> tuple[Floats, Floats]:
         """Run with some columns at the anchors through some times; columns and growth at these.
 
         Where their ``growth`` up to the anchors is given, the columns stay orthonormal, and it is
-        added up. Without it nothing looks after them on the way.
+        added up. Without it nothing looks after them on the way, but for the ``division`` of one.
 
         shapes: times (K, s), columns (K, C, n), growth (K, C); returns (K, s, C, n) and (K, s, C)
         """
         lanes = self._runner.columns(columns, times.numbers.shape[1], growth)
         self._runner.run(
-            self._motions, times, chosen=chosen, log=False, columns=lanes, stop=self._stop
-        )
+            self._motions, times, chosen=chosen, log=False, columns=lanes, division=division,
+            stop=self._stop,
+        )  # fmt: skip
         self.columns, self.growth = lanes.columns[..., : columns.shape[2]], lanes.growth
         return lanes.samples, lanes.growth_samples
 

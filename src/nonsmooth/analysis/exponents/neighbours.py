@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.exponents.growth import begin_columns
+from nonsmooth.engine.sweeps import Division
 from nonsmooth.engine.tables import EXACT
 from nonsmooth.runs.sweep_runner import SweepRunner, SweepStarts, Times
 from nonsmooth.runs.sweep_tangents import SweepTangents
@@ -65,10 +66,10 @@ def orbit_maps(given: Neighbours) -> tuple[Bools, Floats]:
     returns: where they are known (K,), as neither at a graze nor for a start that no mode takes;
     blocks (K, k, k)
     """
-    flow = given.begin(given.chosen)
-    samples, _ = flow.run(given.times.at(slice(-1, None)), flow.columns)
+    last = given.times.at(slice(-1, None))
+    flow = SweepTangents(given.runner, given.starts, given.chosen, given.stop, last)
     still = ~given.drifting
-    blocks = samples[:, 0][:, still][:, :, still].copy()
+    blocks = flow.samples[:, 0][:, still][:, :, still].copy()
     known = given.chosen & flow.goes_on & np.all(np.isfinite(blocks), axis=(1, 2))
     return known, blocks
 
@@ -162,33 +163,26 @@ def _one_column(given: Neighbours, turn: int) -> tuple[StrobeGrowth, Bools]:
 def _sizes(given: Neighbours, flow: SweepTangents, columns: Floats, chosen: Bools) -> Floats:
     """Logarithms of the size of one column (K, 1, n) at each instant from the anchors on, (K, s).
 
-    It is divided by its size at times. Nothing depends on drifting states, so their part of the
-    column is put to zero.
+    It is divided by its size at times, within the one call of the engine.
     """
     numbers, phases = given.times
     here, phase = (each[:, None] for each in flow.anchors)
     since = (numbers - here) * given.runner.windows[:, None] + (phases - phase)
-    first = np.argmax(since >= 0.0, axis=1)
-    sizes, total = np.full(numbers.shape, np.nan), numbers.shape[1]
-    divided = np.zeros(chosen.size)  # logarithm of what each column was divided by
-    for k in range(0, total, _TOGETHER):
-        places = first[:, None] + np.arange(k, k + _TOGETHER)
-        going = chosen & flow.goes_on & (places[:, 0] < total)
-        if not np.any(going):
-            break
-        # those that have fewer instants left stay at the last one
-        places = np.minimum(places[:, : total - int(places[going, 0].min())], total - 1)
-        samples, _ = flow.run(given.times.along(places), columns, chosen=going)
-        moving = samples[going, :, 0][..., ~given.drifting]
-        with np.errstate(divide="ignore"):  # a column that is lost
-            found = np.log(np.sqrt((moving * moving).sum(axis=2))) + divided[going, None]
-        sizes[np.flatnonzero(going)[:, None], places[going]] = found
-        column = np.where(given.drifting, 0.0, flow.columns[:, 0])
-        size = np.sqrt(column[:, None] @ column[:, :, None])[:, 0, 0]
-        known = going & (size > 0.0) & np.isfinite(size)
-        divided[known] += np.log(size[known])
-        columns = flow.columns.copy()
-        columns[known, 0] = column[known] / size[known, None]
+    first, count = np.argmax(since >= 0.0, axis=1), numbers.shape[1]
+    # those that have fewer instants left stay at the last one
+    places = first[:, None] + np.arange(count - int(first[chosen].min(initial=count - 1)))
+    inside = np.minimum(places, count - 1)
+    parts = -(-inside.shape[1] // _TOGETHER)
+    division = Division(np.ones((chosen.size, parts)), given.drifting, _TOGETHER)
+    samples, _ = flow.run(given.times.along(inside), columns, division=division, chosen=chosen)
+    moving = samples[:, :, 0][..., ~given.drifting]
+    divided = np.zeros((chosen.size, parts))  # logarithm of what each was divided by before
+    divided[:, 1:] = np.cumsum(np.log(division.sizes[:, :-1]), axis=1)
+    with np.errstate(divide="ignore"):  # a column that is lost
+        found = np.log(np.sqrt((moving * moving).sum(axis=2)))
+    found += np.repeat(divided, _TOGETHER, axis=1)[:, : inside.shape[1]]
+    sizes, (row, place) = np.full(numbers.shape, np.nan), np.nonzero(places < count)
+    sizes[row, places[row, place]] = found[row, place]
     return sizes
 
 

@@ -467,6 +467,11 @@ typedef struct SweepTask {
     Array(double, 2) end_state;      /* (K, n) */
     Array(Instant, 1) since;         /* (K,) */
     Array(int64_t, 1) statuses;      /* (K,): of the motions; those that are not COMPLETED are left out */
+    /* Sizes (K, d) of the column of each motion, of its states that do not drift (n,), by which it is
+     * divided behind so many samples each; d = 0 where it is not. Its entries that drift become zero. */
+    Array(double, 2) sizes;
+    Array(uint8_t, 1) drifting;
+    int64_t together;
     int64_t next;                    /* the motion that is next, or under way ... */
     int64_t stage;                   /* ... and where in it: BEGINNING, SETTLING_DOWN, RECORDING */
     double tolerance;

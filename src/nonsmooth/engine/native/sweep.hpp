@@ -5,7 +5,11 @@
 // carry columns of derivatives of its own.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "lanes.hpp"
+#include "orthonormal.hpp"
 
 namespace nonsmooth {
 
@@ -36,13 +40,13 @@ inline Records settling_records(const Motion& motion) {
     return {{}, {}, {}, {}, {}, {}, task.settling[k], task.end_state[k], task.since[k]};
 }
 
-// Samples of a motion, and its part of the log.
-inline Records recording_records(const Motion& motion) {
+// Samples of a motion up to the one that is last, and its part of the log.
+inline Records recording_records(const Motion& motion, Index last) {
     const SweepTask& task = motion.task;
     const Index k = motion.k, first = task.logs[k], n = task.event_states.shape[2];
     const Index room = motion.room;
-    return {task.sample_number[k],
-            task.sample_phase[k],
+    return {{&task.sample_number(k, 0), {last}},
+            {&task.sample_phase(k, 0), {last}},
             task.sample_state[k],
             task.sample_mode[k],
             {task.events.data + first, {room}},
@@ -78,6 +82,40 @@ inline void follow(const Motion& motion, const Anchor& before) {
     task.modes[k] = SAME - before.place.mode;
 }
 
+// Divide the one column of a motion by its size, unless that is zero or infinite.
+inline void divide_column(const Motion& motion, Index part) {
+    const SweepTask& task = motion.task;
+    const View<double, 1> column = motion.tangent.columns[0];
+    const Index n = task.drifting.size();
+    double square = 0.0;
+    for (Index i = 0; i < n; ++i) {
+        if (task.drifting[i] == 0) square += column[i] * column[i];
+    }
+    const double size = std::sqrt(square);
+    const bool is_known = size > 0.0 && size < no_bound;
+    task.sizes(motion.k, part) = is_known ? size : 1.0;
+    if (!is_known) return;
+    for (Index i = 0; i < n; ++i) column[i] = task.drifting[i] == 0 ? column[i] / size : 0.0;
+}
+
+// Record a motion to its end, its column being divided by its size behind some samples each.
+inline Status record_motion(const Motion& motion) {
+    const SweepTask& task = motion.task;
+    const Index count = task.sample_phase.shape[1], together = task.together;
+    Status status = COMPLETED;
+    for (Index part = 0; part < task.sizes.shape[1]; ++part) {
+        const Index last = std::min((part + 1) * together, count);
+        if (task.recording[motion.k].samples >= last) continue;
+        const WindowPhase end{task.sample_number(motion.k, last - 1),
+                              task.sample_phase(motion.k, last - 1)};
+        status = run_motion(motion, recording_records(motion, last), end);
+        if (status != COMPLETED) return status;
+        divide_column(motion, part);
+    }
+    const WindowPhase end = window_phase(task.ends[motion.k]);
+    return run_motion(motion, recording_records(motion, count), end);
+}
+
 // Counters with which a motion is recorded that has settled: what it counts on the way goes on, so
 // that impacts which accumulate do so across its first sample.
 inline Counters counters_since(const Counters& settled) {
@@ -100,8 +138,7 @@ inline Status pass_motion(const Motion& motion, int64_t& stage) {
     }
     if (stage == RECORDING) {
         if (task.events.size() > 0 && motion.room <= 1) return BUFFER_FULL;
-        const WindowPhase end = window_phase(task.ends[motion.k]);
-        status = run_motion(motion, recording_records(motion), end);
+        status = record_motion(motion);
     }
     return status;
 }
