@@ -352,10 +352,20 @@ def _section_moves(branch: xr.Dataset) -> npt.NDArray[np.bool_]:
     What nothing drives begins at an event, or where there is none anywhere on the cycle.
     """
     count = max(branch.sizes["point"] - 1, 0)
-    if "word" not in branch or "strobes" in branch:
+    if "word" not in branch or _is_driven(branch):
         return np.zeros(count, bool)
     words = branch["word"].values
     return np.asarray(words[1:] != words[:-1])
+
+
+def _is_driven(branch: xr.Dataset) -> bool:
+    """Whether the orbits of a branch begin at a strobe, as those of a driven system do."""
+    if "strobes" not in branch:
+        return False
+    if not {"strobe_times", "leg_time"} <= set(branch.data_vars):
+        return True
+    strobes, times = branch["strobe_times"], branch["leg_time"]
+    return bool((strobes.isel(strobe_of_turn=0) == times.isel(leg=0)).all())
 
 
 def event_passes_strobe(branch: xr.Dataset, turn: int = 0) -> npt.NDArray[np.bool_]:
@@ -363,17 +373,28 @@ def event_passes_strobe(branch: xr.Dataset, turn: int = 0) -> npt.NDArray[np.boo
 
     The first event is the last one of the turn behind it, or the last one the first: all events
     are nearer to those before if they are counted from the next one. Orbits of several periods
-    have a strobe in each, which an event may pass without passing the first one.
+    have a strobe in each, which an event may pass without passing the first one. Events that stay
+    at a strobe are those of a clock, by which the strobes of a system without forcing are taken.
     """
     passes = np.zeros(max(branch.sizes["point"] - 1, 0), bool)
     if not {"leg_time", "length"} <= set(branch.data_vars):
         return passes
-    count = int(branch.attrs.get("period", 1))
     times = branch["leg_time"].transpose("point", "leg").values
-    # in periods of the forcing since the section
-    share = count * (times[:, 1:] - times[:, :1]) / branch["length"].values[:, None]
+    counts = np.full(passes.size + 1, int(branch.attrs.get("period", 1)))
+    first, by_clock = times[:, :1], "strobe_times" in branch and not _is_driven(branch)
+    if by_clock:
+        strobes = branch["strobe_times"].transpose("point", "strobe_of_turn").values
+        first, counts = strobes[:, :1], np.isfinite(strobes).sum(axis=1)
+    # in periods since the first strobe; a driven orbit begins there, any other one at an event
+    share = (
+        counts[:, None]
+        * (times[:, 0 if by_clock else 1 :] - first)
+        / branch["length"].values[:, None]
+    )
     number = np.isfinite(share).sum(axis=1)
-    for k in np.flatnonzero((number[:-1] == number[1:]) & (number[1:] > 0)):
+    alike = (number[:-1] == number[1:]) & (number[1:] > 0) & (counts[:-1] == counts[1:])
+    for k in np.flatnonzero(alike):
+        count = counts[k]
         one, other = share[k, : number[k]], share[k + 1, : number[k]]
         counted = (
             other,
@@ -382,8 +403,10 @@ def event_passes_strobe(branch: xr.Dataset, turn: int = 0) -> npt.NDArray[np.boo
         )
         near = min(counted, key=lambda each: float(np.abs(each - one).sum()))
         # an event at the strobe itself counts as on either side of it
-        first = np.ceil(np.minimum(one, near) - _AT_STROBE)
-        passes[k] = turn in first[first <= np.maximum(one, near) + _AT_STROBE] % count
+        low, high = np.minimum(one, near) - _AT_STROBE, np.maximum(one, near) + _AT_STROBE
+        strobe = np.ceil(low)
+        there = (strobe <= high) & ((not by_clock) | (high - low > 3.0 * _AT_STROBE))
+        passes[k] = turn in strobe[there] % count
     return passes
 
 
