@@ -104,7 +104,7 @@ class OrbitEquations:
         """Unknowns as one vector."""
         return np.concatenate([turn.states.ravel(), turn.instants[1 : 1 + self.n_instants]])
 
-    def states_along(self, turn: Turn, times: Floats, ahead: float = 0.0) -> Floats:
+    def states_along(self, turn: Turn, times: Floats, ahead: Floats | float = 0.0) -> Floats:
         """States of an orbit at some times within its turn, (K, n).
 
         Those behind events up to a time ``ahead``.

@@ -38,8 +38,14 @@ class Strobes(NamedTuple):
 NO_STROBES = Strobes(np.zeros(0), np.zeros((0, 0)))
 
 
-def strobes_of(equations: OrbitEquations, turn: Turn) -> Strobes:
-    """Strobes of an orbit, none where it has no phase to take them at."""
+def strobes_of(
+    equations: OrbitEquations, turn: Turn, behind: Mapping[int, bool] | None = None
+) -> Strobes:
+    """Strobes of an orbit, none where it has no phase to take them at.
+
+    ``behind`` tells of later strobes of a driven orbit, by their numbers, on which side of an
+    event they lie that is just there.
+    """
     window = equations.legs.window
     if equations.autonomous:
         return _of_clock(equations, turn)
@@ -48,8 +54,10 @@ def strobes_of(equations: OrbitEquations, turn: Turn) -> Strobes:
         return Strobes(times, turn.states[:1])
     # an event at the section is on the same side of each strobe as of the first one
     ahead = _AT_STROBE * window
-    ahead = ahead if turn.durations[-1] <= ahead else -ahead
-    later = equations.states_along(turn, times[1:], ahead)
+    sides = np.full(times.size, ahead if turn.durations[-1] <= ahead else -ahead)
+    for number, is_behind in (behind or {}).items():
+        sides[number] = ahead if is_behind else -ahead
+    later = equations.states_along(turn, times[1:], sides[1:])
     return Strobes(times, np.concatenate([turn.states[:1], later]))
 
 
