@@ -39,7 +39,9 @@ def test_a_branch_ends_where_a_requirement_fails():
     )
     branch = ns.continue_orbit(forced, "z", (0.0, 0.5))
     assert branch.attrs["end_first"] == "domain"
-    assert "z > 0.05 is required" in branch.attrs["message"]
+    message = branch.attrs["message"]
+    assert "the system refuses the parameters: z > 0.05 is required, z = 0.05" in message
+    assert "was given: damping" in message and "guard" not in message
     assert float(branch["z"].min()) == pytest.approx(0.05, abs=1e-8)
 
 
@@ -350,3 +352,26 @@ def test_a_multiplier_that_is_rounding_of_an_infinite_one_is_infinite(sign):
     assert _telling(part) == np.inf
     part.special = "fold"
     assert _telling(part) == 0.1
+
+
+def test_a_curve_of_special_points_ends_where_a_requirement_fails():
+    """Grazes of a linear oscillator at a wall: F = d*sqrt((1 - w^2)^2 + (2 z w)^2)."""
+    wall = ns.System(
+        states=["x", "v"],
+        parameters={"w": 0.7, "F": 0.3, "z": 0.1},
+        period="2*pi/w",
+        require={"w < 0.75": "the motor turns no faster"},
+        modes={
+            "free": ns.Mode(
+                {"x": "v", "v": "F*cos(w*t) - x - 2*z*v"},
+                exits=[ns.Exit("1 - x", reset={"v": "-0.8*v"}, name="impact")],
+            )
+        },
+    )
+    branch = ns.continue_orbit(wall, "F", (0.2, 0.8))
+    kinds = branch["special_kind"].values.tolist()
+    curve = ns.continue_special(branch, kinds.index("grazing"), "w", (0.3, 0.9))
+    w, force = curve["w"].values, curve["F"].values
+    assert np.allclose(force, np.hypot(1.0 - w**2, 0.2 * w), rtol=1e-9)
+    assert w.max() == pytest.approx(0.75, abs=1e-7)  # by the smallest step
+    assert "refuses the parameters: w < 0.75 is required, w = 0.75" in curve.attrs["message"]

@@ -4,10 +4,12 @@ A clock c' = 1/T that is reset at c = 1 comes to its reset a rounding before the
 it. The truth is the map of the sampled system written by hand, and closed forms.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.errors import OptionError
 from nonsmooth.plot.trace import curve
 
 DECAY = np.exp(-1.0)  # of x over a period
@@ -234,3 +236,77 @@ def test_what_repeats_at_a_phase_that_nothing_holds_is_no_torus(phase):
     )
     assert section["kind"].values.tolist() == ["periodic"]
     assert section["period"].values.tolist() == [2]
+
+
+def thrown(T=1.0):
+    """A ball on a table that throws it up whenever the clock says so."""
+    throw = ns.Exit("T-c", to="up", reset={"c": "c-T", "x": "0", "v": "g*T/2"}, name="throw")
+    return ns.System(
+        states=["x", "v", "c"],
+        parameters={"T": T, "g": 9.81},
+        period="T",
+        initial={"c": "T/4", "v": "g*T/4", "x": "3*g*T*T/32"},
+        modes={"up": ns.Mode({"x": "v", "v": "-g", "c": "1"}, exits=[throw])},
+    )
+
+
+@pytest.mark.parametrize("T", ENDS)
+def test_orbits_with_a_clock_have_the_strobes_of_the_map_by_hand(T):
+    orbit = ns.find_orbit(sampled(T))
+    strobes = orbit["strobes"].values
+    assert np.allclose(np.sort(strobes[:, 0]), np.sort(by_hand(4.5, 0.3, 600)[-2:]), atol=1e-9)
+    assert np.allclose(strobes[:, 1], 1.0, rtol=0, atol=1e-12)  # before the reset
+    assert np.allclose(np.diff(orbit["strobe_times"]), T, rtol=1e-12)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.1, 0.7])
+def test_strobes_with_a_clock_are_those_of_a_run_from_the_declared_start(phase):
+    for system in (buck(28.0), thrown()):
+        orbit = ns.find_orbit(system, phase=phase)
+        run = ns.stroboscopic_map(
+            system, phase=phase, transient=4000, record=orbit["strobes"].shape[0]
+        )
+        for i, name in enumerate(system.states):
+            found, motion = np.sort(orbit["strobes"].values[:, i]), np.sort(run[name].values)
+            assert np.allclose(found, motion, rtol=1e-9, atol=1e-12), name
+
+
+def test_a_velocity_under_gravity_is_no_clock_though_impacts_set_it_back_by_as_much():
+    # v falls by g in a unit of time, and each throw adds g*T: but the throw reads the clock
+    strobes = ns.find_orbit(thrown())["strobes"].values
+    t = 0.25  # the clock at the start of a run
+    expected = [[9.81 * t * (1.0 - t) / 2.0, 9.81 * (0.5 - t), t]]
+    assert np.allclose(strobes, expected, rtol=0, atol=1e-12)
+
+
+def test_a_cycle_that_no_clock_holds_has_no_strobes():
+    belt = ns.models.belt_oscillator()
+    length = float(ns.find_orbit(belt)["length"])
+    texts = belt.to_toml().splitlines()
+    texts.insert(2, f"period = {length!r}")
+    assert "strobes" not in ns.find_orbit(ns.System.from_toml("\n".join(texts) + "\n"))
+
+
+def test_a_branch_with_a_clock_over_a_diagram_has_a_curve_for_each_strobe():
+    system = buck(24.0)
+    first = ns.continue_orbit(system, "V", (24.0, 26.0))
+    branch = ns.continue_orbit(system, "V", (24.0, 26.0), initial=first, special=1)
+    behind = ns.bifurcation_diagram(system, "V", [25.0, 25.5, 26.0], transient=2000, record=8)
+    ax = ns.plot.branch(branch, "vc", diagram=behind)
+    drawn = [line.get_xydata() for line in ax.lines if line.get_gid() == "branch 0"]
+    for k, value in enumerate(behind["parameter"].values):
+        for point in np.unique(np.round(behind["vc"].values[k], 9)):
+            near = [np.interp(value, *xy.T) for xy in map(_in_order, drawn) if xy.size]
+            # between its points a curve is drawn within a part of a percent of what it spans
+            assert np.min(np.abs(np.array(near) - point)) < 1e-3
+    plt.close(ax.figure)
+
+
+def _in_order(xy):
+    xy = xy[np.isfinite(xy).all(axis=1)]
+    return xy[np.argsort(xy[:, 0])]
+
+
+def test_a_bifurcation_picture_of_a_system_with_a_clock_says_what_to_draw():
+    with pytest.raises(OptionError, match=r"reads the time.*plot\.branch"):
+        ns.bifurcation_picture(buck(24.0), "V", (22.0, 28.0), {"vc": (11.0, 13.0)})

@@ -94,10 +94,10 @@ def test_defaults_of_the_picture(call, drawn, tmp_path):
 def test_part_of_the_run_is_drawn(call, drawn, tmp_path):
     file = tmp_path / "a.png"
     times = ["--time-range", "800, 1200"]
-    assert call("simulate", "moling", *times, "--draw", "p,q", "--plot", file).exit_code == 0
+    assert call("simulate", "moling", *times, "--draw", "x,v", "--plot", file).exit_code == 0
     assert call("simulate", "moling", "--from", "15", "--plot", file).exit_code == 0
     (names, window), (_, later) = drawn
-    assert (names, window) == (["p", "q"], (800.0, 1200.0))
+    assert (names, window) == (["x", "v"], (800.0, 1200.0))
     period = ns.models.moling().period_value
     assert later == pytest.approx((15 * period, 20 * period))
 

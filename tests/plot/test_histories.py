@@ -124,3 +124,50 @@ def test_motions_in_si_units_are_drawn(ax):
     ns.plot.time_history(run, "x", ax=ax)
     assert ax.lines[0].get_xdata().size >= run.sizes["time"]
     assert ax.get_xlabel() == "time [s]"
+
+
+def sizes_apart(units=True):
+    """Curves of a millimetre, of a tenth of a metre per second, and of a hundred radians."""
+    tell = {"x": "place [m]", "v": "speed [m/s]", "y": "other place [m]", "w": "turning [rad/s]"}
+    rig = ns.System(
+        states=["x", "v", "y", "w"],
+        equations={"x": "v", "v": "-1e4*x", "y": "0", "w": "0"},
+        initial={"x": 1e-3, "y": 5e-3, "w": 100.0},
+        describe=tell if units else {},
+    )
+    return ns.simulate(rig, times=np.linspace(0.0, 0.2, 200))
+
+
+@pytest.mark.parametrize("draw", [ns.plot.time_history, ns.plot.phases])
+@pytest.mark.parametrize("units", [True, False])
+def test_small_variables_have_axes_of_their_own(draw, units):
+    ax = draw(sizes_apart(units), ["x", "v", "y", "w"])
+    panels = ax.figure.axes
+    assert panels[0] is ax
+    drawn = [[line.get_label() for line in each.lines] for each in panels]
+    assert drawn == [["x", "y"], ["v"], ["w"]]
+    for each in panels:  # every curve reaches over a tenth of its axes
+        low, high = each.get_ylim()
+        sizes = [np.abs(line.get_ydata()).max() for line in each.lines]
+        assert min(sizes) > 0.05 * (high - low)
+    assert [each.get_xlabel() for each in panels][:-1] == ["", ""]
+    assert panels[-1].get_xlabel() == "time"
+    assert len({each.get_xlim() for each in panels}) == 1
+
+
+def test_axes_that_are_given_hold_all_variables(ax):
+    assert ns.plot.time_history(sizes_apart(), ["x", "w"], ax=ax) is ax
+    assert ax.figure.axes == [ax] and len(ax.lines) == 2
+
+
+def test_a_variable_that_is_zero_needs_no_axes():
+    run = sizes_apart(units=False).assign(z=lambda run: 0.0 * run["x"])
+    ax = ns.plot.time_history(run, ["z", "w"])
+    assert ax.figure.axes == [ax]
+
+
+def test_sizes_are_those_of_the_range_that_is_drawn():
+    decay = ns.System(states=["a", "b"], equations={"a": "-a", "b": "0"}, initial={"a": 1, "b": 1})
+    run = ns.simulate(decay, times=np.linspace(0.0, 10.0, 200))
+    assert len(ns.plot.time_history(run, ["a", "b"], time_range=(0.0, 1.0)).figure.axes) == 1
+    assert len(ns.plot.time_history(run, ["a", "b"], time_range=(5.0, 9.0)).figure.axes) == 2

@@ -179,3 +179,36 @@ def test_large_and_equal_multipliers(ax):
 def test_wrong_options(data, options, text):
     with pytest.raises(ns.OptionError, match=text):
         ns.plot.multipliers(data, **options)
+
+
+def many_tori(count=80):
+    """A branch along which a pair goes round the unit circle, and a torus begins at each point."""
+    angle = np.linspace(0.2, 2.9, count)
+    pair = np.exp(1j * angle)[:, None] ** np.array([1.0, -1.0])
+    return xr.Dataset(
+        {
+            "p": ("point", angle),
+            "stable": ("point", np.ones(count, bool)),
+            "multipliers": (("point", "multiplier"), pair),
+            "special_kind": ("special", np.array(["torus"] * count)),
+            "special_value": ("special", angle),
+            "special_point": ("special", np.arange(count)),
+            "special_multiplier": ("special", pair[:, 0]),
+        },
+        attrs={"parameter": "p"},
+    )
+
+
+def test_marks_of_many_tori_do_not_lie_on_each_other():
+    ax = ns.plot.multipliers(many_tori())
+    (marks,) = [line for line in ax.lines if line.get_gid() == "special torus"]
+    figure = ax.figure
+    figure.canvas.draw()
+    places = ax.transData.transform(marks.get_xydata()) * 72.0 / figure.dpi
+    apart = np.hypot(*(places[:, None] - places).transpose(2, 0, 1))
+    nearest = apart[~np.eye(len(places), dtype=bool)].min()
+    assert nearest > 4.5 and marks.get_markersize() >= 4.0
+    # they still reach all around: no gap of more than three marks
+    angles = np.sort(np.angle(marks.get_xdata() + 1j * marks.get_ydata()))
+    angles = angles[angles > 0.0]
+    assert angles[0] < 0.3 and angles[-1] > 2.7 and np.diff(angles).max() < 0.4

@@ -345,3 +345,47 @@ def test_explain_names_the_signals(capsys):
     impact_oscillator(measured()).explain()
     told = capsys.readouterr().out
     assert "base  cubic, 60 knots from t = 0 to 11.88" in told
+
+
+def sawtooth(count, step=0.1):
+    """A mass that goes up and down with a measured sawtooth; n counts its turns, at the knots."""
+    base = ns.Signal(np.arange(count) * step, np.arange(count) % 2.0, "linear")
+
+    def leg(way, to, guard):
+        turn = ns.Exit(guard, to=to, reset={"n": "n + 1"})
+        return ns.Mode({"x": str(way), "n": "0"}, exits=[turn])
+
+    return ns.System(
+        states=["x", "n"],
+        signals={"u": base},
+        period=2 * step,
+        modes={"up": leg(1, "down", "rate(u)"), "down": leg(-1, "up", "-rate(u)")},
+    )
+
+
+@pytest.mark.parametrize("step", [0.1, 1.0, 0.3])
+def test_samples_at_knots_where_a_guard_jumps_hold_the_state_before(step):
+    """Whether rounding puts the sample before the knot or behind it."""
+    count = 200
+    system = sawtooth(count, step)
+    turns = np.maximum(np.arange(count - 50) - 1, 0)
+    for times in (
+        np.arange(count - 50) * step,
+        np.concatenate([[0.0], np.cumsum(np.full(count - 51, step))]),
+        np.arange(count - 50) / (1.0 / step),
+    ):
+        run = ns.simulate(system, times=times)
+        assert run.attrs["status"] == "completed"
+        assert np.array_equal(run["n"].values, turns)
+    run = ns.simulate(system, periods=(count - 50) // 2, samples_per_period=2)
+    assert np.array_equal(run["n"].values[:-1], turns)
+
+
+def test_runs_that_end_at_knots_lose_and_double_no_event():
+    system = sawtooth(60)
+    whole = ns.simulate(system, times=np.arange(50) * 0.1)
+    run, names = None, []
+    for k in range(49):
+        run = ns.simulate(system, run, t_end=(k + 1) * 0.1)
+        names.append(int(run["end_state"].values[1]))
+    assert np.array_equal(names, whole["n"].values[1:])

@@ -26,6 +26,7 @@ from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.packed_datasets import pack_dataset, unpack_dataset
 from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.system.compile.clock_states import clock_states
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -183,6 +184,14 @@ def bifurcation_picture(
             " StroboscopicMap of one"
         )
     base = chosen.system
+    clocks = {} if base.is_driven else clock_states(base.structure)
+    if clocks:
+        raise OptionError(
+            f"system: no equation of {base.name!r} reads the time; its clock is the state"
+            f" {next(iter(clocks))!r}, which may begin anywhere, so no motion of the map attracts"
+            " those beside it; follow branches by continue_orbit, and draw them over a diagram:"
+            " plot.branch(branch, y, diagram=diagram)"
+        )
     if not is_known(parameter, base.parameters):
         raise OptionError(unknown_name("parameter", str(parameter), base.parameters))
     refuse_fixed(system, parameters, (parameter,), "parameter")

@@ -122,7 +122,9 @@ def continue_orbit(
         ``special_kind``, ``special_value`` (of the parameter), ``special_point`` (its number among
         the points), ``special_multiplier`` and ``special_detail``. At a graze of a rigid wall
         ``special_multiplier`` is infinite where a multiplier has no bound. Attributes
-        ``end_first`` and ``end_last`` say why the branch ended where the points begin and end.
+        ``end_first`` and ``end_last`` say why the branch ended where the points begin and end. An
+        orbit at which an event is just at a strobe is two points: with the states before the event
+        at that strobe, and behind it.
 
     Raises
     ------

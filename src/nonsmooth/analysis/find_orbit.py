@@ -84,7 +84,11 @@ def find_orbit(
         by the symmetry, whose squares are the others; nan elsewhere. Over ``leg``: ``durations``,
         ``leg_mode``, ``leg_exit`` (exits passed at its end), ``leg_time`` (its start) and
         ``leg_states``, the state there. Where a forcing drives the system, ``strobes`` over
-        ``strobe_of_turn`` and ``state``: the state at the beginning of each period of the turn.
+        ``strobe_of_turn`` and ``state``: the state at the beginning of each period of the turn,
+        and ``strobe_times``. So it is where nothing drives a system with a period, but one of its
+        states is a clock: it grows at one rate, an exit that reads nothing else sets it back, and
+        the turn lasts whole periods. Strobes are then those of a run whose clock begins as
+        ``initial`` of the system says.
         Attributes: ``status``, ``message``, ``period``.
 
     Raises

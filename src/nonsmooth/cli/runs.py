@@ -63,7 +63,9 @@ def simulate(task: Task) -> None:
     if task.plot is not None:
         if coordinates is None:
             history = "phases" if task["modes"] else "time_history"
-            for names in _by_unit(run, shown):  # no axis has two units
+            from nonsmooth.plot.histories import groups_alike
+
+            for names in groups_alike(run, shown, times):
                 task.picture(history, run, names, time_range=times)
         elif kind == "orbit":
             task.picture("orbit", run, *coordinates, time_range=times)
@@ -96,15 +98,6 @@ def _history_variables(system: System, text: str | None) -> list[str]:
     drifting = list(system.drift_states)
     # states beside a drift are relative to it, and the motion itself is an output
     return [*list(system.outputs)[:1], *drifting] if drifting else list(system.states[:1])
-
-
-def _by_unit(run: xr.Dataset, names: list[str]) -> list[list[str]]:
-    """Names of variables in groups of one unit each."""
-    groups: dict[str, list[str]] = {}
-    for name in names:
-        unit = run[name].attrs.get("units", "1")
-        groups.setdefault(unit or "1", []).append(name)
-    return list(groups.values())
 
 
 def _default_length(system: System, samples_per_period: int) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from nonsmooth.periodic_orbits.multipliers import UNBOUNDED, Floquet, multiplier
 from nonsmooth.periodic_orbits.stretch import BranchStretch
 from nonsmooth.periodic_orbits.symmetric import is_antisymmetric
 from nonsmooth.periodic_orbits.word import Word
+from nonsmooth.system.model.value_checks import IS_REQUIRED
 
 __all__ = [
     "OF_MULTIPLIERS",
@@ -44,6 +45,11 @@ def ending_of_orbits(ended: str, message: str, parameter: str, value: float) -> 
     """
     here = f"{parameter} = {value:.10g}"
     reason = _reason(message)
+    if ended == "domain" and IS_REQUIRED in reason:
+        return (
+            f"the branch ends at {here}, beyond which the system refuses the parameters:"
+            f" {reason[2:-1]}; correct this of require= if it should hold there"
+        )
     again = "begin anew with an orbit beyond it, from find_orbit with other parameters="
     return {
         "bound": f"the branch reached the bound {here}",

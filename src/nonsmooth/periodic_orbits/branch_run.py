@@ -31,6 +31,7 @@ from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of, solve_orbit
 from nonsmooth.periodic_orbits.orbit import primitive_parts
+from nonsmooth.periodic_orbits.passing_strobes import orbits_at_strobes
 from nonsmooth.periodic_orbits.step_check import StepCheck
 from nonsmooth.periodic_orbits.stretch import (
     BranchOptions,
@@ -259,6 +260,10 @@ class _StretchWalk:
     def _ordinary(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
         """A point at which the word stays; the stretch ends where its orbits have outgrown it."""
         self._before = looked.tests
+        if self._stands is not None:
+            for there, at_strobe in orbits_at_strobes(self.stretch, self._stands, (point, looked)):
+                part = self._part(at_strobe, there, "", "")
+                yield replace(part, arclength=self.begin + there.arclength)
         self._stands = point, looked
         self.stretch.remember(point)
         if not point.special:
@@ -405,26 +410,34 @@ def follow_orbits(
 
     ``report`` is told how many steps are done; it may raise to stop.
     """
-    way, section, stands = 0.0, None, None
+    way, stands = 0.0, None
+    held: list[BranchPart] = []  # where an event passes the section, and what else is there
     last = LastOrbits(options)
     for each in _follow(options, legs, start, report):
         if isinstance(each, Followed):
+            yield from held
             yield last.end(each)
             return
         if not (options.inadmissible or each.looked.admissibility.admissible) and stands:
             each = _within_rounding(each, stands)
         stands = each
         if each.special == "section":
-            section = each
+            yield from held
+            held = [replace(each, special="")]
             continue
         if each.special == "fold":
-            way, section = -way, None
+            way = -way
         elif is_of_word(each.test):  # the parameter may turn back there
-            way, section = 0.0, None
-        elif not each.special and (section is None or each.arclength > section.arclength):
-            if section is not None and way * each.way < 0.0:
-                yield replace(section, special="fold")  # just where an event passes the section
-            way, section = each.way, None
+            way = 0.0
+        elif held and (each.special or each.arclength <= held[0].arclength):
+            held.append(each)
+            continue
+        elif not each.special:
+            if held and way * each.way < 0.0:
+                held[0] = replace(held[0], special="fold")  # just where an event passes
+            way = each.way
+        yield from held
+        held = []
         yield each
         if not each.special:
             last.add(each)

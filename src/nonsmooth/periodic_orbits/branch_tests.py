@@ -14,7 +14,7 @@ passed at once; ``over:k:g``, the impact that ends leg k throws over the surface
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +38,7 @@ from nonsmooth.periodic_orbits.onto import (
     modes_along,
 )
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
+from nonsmooth.periodic_orbits.strobes import NO_STROBES, Strobes, strobes_of
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
 
@@ -153,7 +154,7 @@ class Looked:
     tests: dict[str, float]
     other: tuple[OrbitEquations, Floats] | None = None  # with the rebounds that the engine follows
     reflection: Reflection | None = None  # under the declared symmetry
-    strobes: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # at each period of the turn
+    strobes: Strobes = NO_STROBES
 
 
 def _shortest(wiring: Wiring, mode: int, k: int, word: Word) -> float:
@@ -251,7 +252,7 @@ class BranchTests:
             # else the word is about to change, and rounding decides what the engine finds
         looked = Looked(
             turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests,
-            other, reflection(equations, turn), equations.strobes(turn),
+            other, reflection(equations, turn), strobes_of(equations, turn),
         )  # fmt: skip
         if len(self._seen) >= _REMEMBERED:
             del self._seen[next(iter(self._seen))]

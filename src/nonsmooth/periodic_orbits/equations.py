@@ -37,7 +37,6 @@ class Turn:
         return np.diff(self.instants)
 
 
-_AT_SECTION = 1e-12  # part of the period by which an event may lie off the section by rounding
 _STEADY = 1e-9  # derivative of the change over a turn, and change beside the state, that are none
 
 
@@ -105,7 +104,7 @@ class OrbitEquations:
         """Unknowns as one vector."""
         return np.concatenate([turn.states.ravel(), turn.instants[1 : 1 + self.n_instants]])
 
-    def states_along(self, turn: Turn, times: Floats, ahead: float = 0.0) -> Floats:
+    def states_along(self, turn: Turn, times: Floats, ahead: Floats | float = 0.0) -> Floats:
         """States of an orbit at some times within its turn, (K, n).
 
         Those behind events up to a time ``ahead``.
@@ -114,20 +113,6 @@ class OrbitEquations:
         word = Word(tuple(self.word.modes[k] for k in legs), ((),) * times.size)
         found = self.legs.follow_each(word, turn.states[legs], turn.instants[legs], times)
         return found.ends.copy()
-
-    def strobes(self, turn: Turn) -> Floats:
-        """States at the beginning of each period of a driven orbit, (period, n).
-
-        Of an autonomous one only the first state of its turn.
-        """
-        first = turn.states[:1]
-        if self.autonomous or self.period == 1:
-            return first
-        times = turn.instants[0] + self.legs.window * np.arange(1, self.period)
-        # an event at the section is on the same side of each strobe as of the first one
-        ahead = _AT_SECTION * self.legs.window
-        ahead = ahead if turn.durations[-1] <= ahead else -ahead
-        return np.concatenate([first, self.states_along(turn, times, ahead)])
 
     def unpack(self, unknowns: Floats) -> Turn:
         """Unknowns as states and instants, for the parameter values of the legs."""

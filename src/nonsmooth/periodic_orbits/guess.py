@@ -15,6 +15,7 @@ from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import OptionError, RunError
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.legs import LegError
+from nonsmooth.periodic_orbits.strobes import strobes_of
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
 from nonsmooth.runs.clock import Instant, Plan, since_strobe
 from nonsmooth.runs.first_mode import in_first_mode
@@ -407,7 +408,7 @@ def from_nearest_strobe(equations: OrbitEquations, turn: Turn, wanted: Floats) -
     if equations.autonomous or equations.period == 1 or not np.any(free):
         return None
     try:
-        strobes = equations.strobes(turn)
+        strobes = strobes_of(equations, turn).states
     except LegError:
         return None
     scale = np.abs(np.vstack([strobes, turn.states, wanted])[:, free]).max(axis=0)

@@ -20,6 +20,7 @@ from nonsmooth.engine.orbits import (
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import allocate_tables, set_up
 from nonsmooth.periodic_orbits.word import Word
+from nonsmooth.system.model.value_checks import first_unmet
 from nonsmooth.system.system import System
 
 __all__ = ["LegError", "Legs", "Minima"]
@@ -82,6 +83,15 @@ class Legs:
             raise LegError("the coefficients are not finite for these parameters")
         self._values[:] = new
         self._is_set_up = True
+
+    def require(self, values: Floats) -> None:
+        """Do nothing where the system takes values of its parameters; `LegError` elsewhere."""
+        required = self.system.require
+        unmet = required and first_unmet(
+            required, dict(zip(self._names, values.tolist(), strict=True))
+        )
+        if unmet:
+            raise LegError(unmet)
 
     @property
     def window(self) -> float:

@@ -12,6 +12,7 @@ from nonsmooth.periodic_orbits.admissibility import Admissibility, check_admissi
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
 from nonsmooth.periodic_orbits.newton import AT_ZERO, Solution
+from nonsmooth.periodic_orbits.strobes import NO_STROBES, Strobes, strobes_of
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.runs.whole_turns import whole_turns
@@ -45,7 +46,7 @@ class Orbit:
     drifting: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
     in_family: bool = False  # whether cycles of other sizes lie beside it
     reflection: Reflection | None = None  # under the declared symmetry
-    strobes: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # at each period of the turn
+    strobes: Strobes = NO_STROBES
 
     @property
     def length(self) -> float:
@@ -107,7 +108,7 @@ def make_orbit(
         equations.word, turn, end, legs.values.copy(), equations.period, equations.phase,
         equations.autonomous, legs.window, solution.residual, solution.iterations, multipliers,
         admissibility, primitive_parts(equations, turn), equations.drifting,
-        reflection=reflection(equations, turn), strobes=equations.strobes(turn),
+        reflection=reflection(equations, turn), strobes=strobes_of(equations, turn),
     )  # fmt: skip
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.periodic_orbits.orbit import Orbit
+from nonsmooth.periodic_orbits.strobes import NO_STROBES
 from nonsmooth.runs.labels import Columns, assemble, labels_of
 from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
@@ -94,7 +95,7 @@ def orbit_variables(
             "logarithm of the determinant of the tangent over one turn",
         ),
     }
-    variables |= _multipliers(orbits, dims, shape) | _strobes(orbits, dims, n)
+    variables |= _multipliers(orbits, dims, shape) | _strobes(orbits, dims, n, of_time)
     if system.symmetry:
         variables["symmetric"] = each(
             number(lambda o: o.reflection is not None and o.reflection.symmetric, False),
@@ -113,19 +114,28 @@ def _multipliers(
     return {"multipliers": ((*dims, "multiplier"), _filled(rows, shape), words)}
 
 
-def _strobes(orbits: Sequence[Orbit | None], dims: tuple[str, ...], n: int) -> Columns:
-    """States at the beginning of each period of driven orbits."""
-    driven = [None if o is None or o.autonomous else o.strobes for o in orbits]
-    width = max((len(rows) for rows in driven if rows is not None), default=0)
+def _strobes(
+    orbits: Sequence[Orbit | None], dims: tuple[str, ...], n: int, of_time: Mapping[str, str]
+) -> Columns:
+    """Times and states of strobes, for orbits that have any."""
+    found = [NO_STROBES if o is None else o.strobes for o in orbits]
+    width = max((each.times.size for each in found), default=0)
     if not width:
         return {}
-    values = np.full((len(orbits), width, n), np.nan)
-    for filled, rows in zip(values, driven, strict=True):
-        if rows is not None:
-            filled[: len(rows)] = rows
-    words = {"long_name": "state at the beginning of each period of one turn"}
-    over = (*dims, "strobe_of_turn", "state")
-    return {"strobes": (over, values if dims else values[0], words)}
+    times, states = np.full((len(orbits), width), np.nan), np.full((len(orbits), width, n), np.nan)
+    for k, each in enumerate(found):
+        times[k, : each.times.size] = each.times
+        states[k, : each.times.size] = each.states
+    over = (*dims, "strobe_of_turn")
+    return {
+        "strobes": (
+            (*over, "state"), states if dims else states[0],
+            {"long_name": "state at each strobe of one turn"},
+        ),
+        "strobe_times": (
+            over, times if dims else times[0], {"long_name": "time of each strobe", **of_time},
+        ),
+    }  # fmt: skip
 
 
 def _half_multipliers(

@@ -90,12 +90,16 @@ class SpecialCondition:
 
     def set_parameters(self, p: float, q: float) -> None:
         """Let the legs stand for values of both parameters."""
+        self.legs.set_values(self._with(p, q))
+
+    def _with(self, p: float, q: float) -> Floats:
         values = self._values.copy()
         values[self._places] = p, q
-        self.legs.set_values(values)
+        return values
 
     def residual(self, u: Floats, p: float, q: float) -> tuple[Floats, Floats, Floats, Floats]:
         """Equations with their derivatives by unknowns and both parameters."""
+        self.legs.require(self._with(p, q))
         self.set_parameters(p, q)
         residual, jacobian, moved = self.equations.evaluate(u)
         return residual, jacobian, moved[:, 0], moved[:, 1]

@@ -21,10 +21,9 @@ from nonsmooth.periodic_orbits.branch_tests import (
 )
 from nonsmooth.periodic_orbits.cycle_plane import spread_of, spread_of_cycle
 from nonsmooth.periodic_orbits.equations import OrbitEquations
-from nonsmooth.periodic_orbits.legs import LegError, Legs
+from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.trail import Trail
-from nonsmooth.system.model.value_checks import first_unmet
 from nonsmooth.system.system import System
 
 __all__ = ["BranchOptions", "BranchStart", "BranchStretch", "scale_along", "spread_along"]
@@ -92,12 +91,7 @@ class BranchStretch:
         """Let the legs stand for a value of the parameter."""
         values = self._values.copy()
         values[self.place] = p
-        system = self.legs.system
-        unmet = system.require and first_unmet(
-            system.require, dict(zip(system.parameters, values.tolist(), strict=True))
-        )
-        if unmet:
-            raise LegError(unmet)
+        self.legs.require(values)
         self.legs.set_values(values)
 
     def residual(self, u: Floats, p: float) -> tuple[Floats, Floats, Floats]:

@@ -352,10 +352,20 @@ def _section_moves(branch: xr.Dataset) -> npt.NDArray[np.bool_]:
     What nothing drives begins at an event, or where there is none anywhere on the cycle.
     """
     count = max(branch.sizes["point"] - 1, 0)
-    if "word" not in branch or "strobes" in branch:
+    if "word" not in branch or _is_driven(branch):
         return np.zeros(count, bool)
     words = branch["word"].values
     return np.asarray(words[1:] != words[:-1])
+
+
+def _is_driven(branch: xr.Dataset) -> bool:
+    """Whether the orbits of a branch begin at a strobe, as those of a driven system do."""
+    if "strobes" not in branch:
+        return False
+    if not {"strobe_times", "leg_time"} <= set(branch.data_vars):
+        return True
+    strobes, times = branch["strobe_times"], branch["leg_time"]
+    return bool((strobes.isel(strobe_of_turn=0) == times.isel(leg=0)).all())
 
 
 def event_passes_strobe(branch: xr.Dataset, turn: int = 0) -> npt.NDArray[np.bool_]:
@@ -363,17 +373,18 @@ def event_passes_strobe(branch: xr.Dataset, turn: int = 0) -> npt.NDArray[np.boo
 
     The first event is the last one of the turn behind it, or the last one the first: all events
     are nearer to those before if they are counted from the next one. Orbits of several periods
-    have a strobe in each, which an event may pass without passing the first one.
+    have a strobe in each, which an event may pass without passing the first one. An orbit at which
+    an event is just at the strobe stands twice in a branch, and the event passes between the two;
+    where it stands once, the event counts as on either side of the strobe.
     """
-    passes = np.zeros(max(branch.sizes["point"] - 1, 0), bool)
+    passes, twice, begins, ends = np.zeros((4, max(branch.sizes["point"] - 1, 0)), bool)
     if not {"leg_time", "length"} <= set(branch.data_vars):
         return passes
-    count = int(branch.attrs.get("period", 1))
-    times = branch["leg_time"].transpose("point", "leg").values
-    # in periods of the forcing since the section
-    share = count * (times[:, 1:] - times[:, :1]) / branch["length"].values[:, None]
+    share, counts, by_clock = _since_strobe(branch)
     number = np.isfinite(share).sum(axis=1)
-    for k in np.flatnonzero((number[:-1] == number[1:]) & (number[1:] > 0)):
+    alike = (number[:-1] == number[1:]) & (number[1:] > 0) & (counts[:-1] == counts[1:])
+    for k in np.flatnonzero(alike):
+        count = counts[k]
         one, other = share[k, : number[k]], share[k + 1, : number[k]]
         counted = (
             other,
@@ -381,10 +392,32 @@ def event_passes_strobe(branch: xr.Dataset, turn: int = 0) -> npt.NDArray[np.boo
             np.append(other[-1] - count, other[:-1]),
         )
         near = min(counted, key=lambda each: float(np.abs(each - one).sum()))
-        # an event at the strobe itself counts as on either side of it
-        first = np.ceil(np.minimum(one, near) - _AT_STROBE)
-        passes[k] = turn in first[first <= np.maximum(one, near) + _AT_STROBE] % count
-    return passes
+        strobe = np.ceil(np.minimum(one, near) - _AT_STROBE)
+        there = (strobe <= np.maximum(one, near) + _AT_STROBE) & (strobe % count == turn)
+        at_one, at_near = np.abs(np.array([one, near]) - strobe) <= _AT_STROBE
+        passes[k] = np.any(there & ~at_one & ~at_near)
+        # what stays at the strobes of a clock is the clock itself
+        twice[k] = np.any(there & at_one & at_near) and not by_clock
+        begins[k], ends[k] = np.any(there & at_one), np.any(there & at_near)
+    at_start = begins & ~ends & ~np.append(False, twice[:-1])
+    at_end = ends & ~begins & ~np.append(twice[1:], False)
+    return passes | twice | at_start | at_end
+
+
+def _since_strobe(branch: xr.Dataset) -> tuple[Floats, npt.NDArray[np.int64], bool]:
+    """Events of each point in periods since its first strobe, number of strobes, if by a clock.
+
+    A driven orbit begins at a strobe, and any other one at an event.
+    """
+    times = branch["leg_time"].transpose("point", "leg").values
+    counts = np.full(len(times), int(branch.attrs.get("period", 1)))
+    first, events = times[:, :1], times[:, 1:]
+    by_clock = "strobe_times" in branch and not _is_driven(branch)
+    if by_clock:
+        strobes = branch["strobe_times"].transpose("point", "strobe_of_turn").values
+        first, events, counts = strobes[:, :1], times, np.isfinite(strobes).sum(axis=1)
+    share = counts[:, None] * (events - first) / branch["length"].values[:, None]
+    return share, counts, by_clock
 
 
 def _jumps(values: Floats, passes: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:

@@ -10,9 +10,10 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["depths", "uncrowded"]
+__all__ = ["depths", "spaced", "uncrowded"]
 
 Floats = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 _SHARE = 0.1  # of the marks, which may lie closer to another one than their size
 _SAME = 1.0  # points within which marks are in one place
@@ -45,6 +46,20 @@ def depths(ax: Axes, x: Floats, y: Floats, kinds: list[str]) -> npt.NDArray[np.i
     for one in np.unique(kind):
         found += there[:, kind == one].any(axis=1)
     return found
+
+
+def spaced(ax: Axes, x: Floats, y: Floats, kinds: list[str], distance: float) -> Mask:
+    """Marks to keep so that no two of one kind lie closer than a distance in points.
+
+    Of those that are too close the first one stays. Those in one place hide nothing else.
+    """
+    across, up = _places(ax, x, y, most=x.size)
+    kind, kept = np.array(kinds, dtype=str), np.zeros(len(kinds), bool)
+    for k in range(len(kinds)):
+        alike = kept & (kind == kind[k])
+        apart = np.hypot(across[alike] - across[k], up[alike] - up[k])
+        kept[k] = bool(np.all((apart >= distance) | (apart < _SAME)))
+    return kept
 
 
 def _places(ax: Axes, x: Floats, y: Floats, most: int = _MOST) -> tuple[Floats, Floats]:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.plot.figures import new_axes
+from nonsmooth.plot.figures import divided, new_axes
 from nonsmooth.plot.flagged_samples import are_flagged, mark_flagged
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import event_markers
@@ -27,9 +27,11 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["common_label", "mode_label", "phases", "time_history"]
+__all__ = ["common_label", "groups_alike", "mode_label", "phases", "time_history"]
 
 _PALE = 0.3  # opacity behind curves: told apart in print, and black lines stay black
+_APART = 10.0  # times the size of another curve, beside which that is hard to read
+_FIRST, _FURTHER = 6.0, 3.2  # heights of a figure with one panel, and of each further one, in cm
 
 
 @checked
@@ -48,7 +50,8 @@ def time_history(
     States are drawn through their values just before and just after each event, so kinks
     and jumps stand where they are, however coarse the samples. Outputs are known at samples
     only. The first variable is solid, the next dashed, dotted and dash-dotted. Samples of a
-    measured motion that `measured.flagged` has marked have blue crosses.
+    measured motion that `measured.flagged` has marked have blue crosses. Variables of other units,
+    or more than ten times as large, have axes of their own below the first ones.
 
     Parameters
     ----------
@@ -57,7 +60,7 @@ def time_history(
     variables : str or sequence of str
         States and outputs.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; new axes of a column's width by default.
+        Where to draw all variables; new axes of a column's width by default.
     events : bool, optional
         Whether to mark the events on every curve.
     time_range : tuple of float, optional
@@ -70,7 +73,8 @@ def time_history(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes; one line per variable, labelled by its name.
+        The axes; one line per variable, labelled by its name. Further ones are below them, in
+        ``ax.figure.axes``.
 
     Raises
     ------
@@ -97,17 +101,78 @@ def time_history(
     """
     names = check_variables(run, variables)
     time_range = check_range(run, time_range)
-    ax = new_axes() if ax is None else ax
-    draw_lines(run, names, ax, time_range, labels or {})
-    _mark_flagged(run, names, ax, time_range)
-    if events:
-        for name in names:
-            event_markers(run, name, ax, time_range=time_range)
+    panels = _panels(run, names, time_range, ax)
+    for panel, group in panels:
+        draw_lines(run, group, panel, time_range, labels or {})
+        _mark_flagged(run, group, panel, time_range)
+        if events:
+            for name in group:
+                event_markers(run, name, panel, time_range=time_range)
+        _finish(run, group, panel, time_range, last=panel is panels[-1][0])
+        if legend and len(panel.get_legend_handles_labels()[1]) > 1:
+            place_legend(panel)
+    return panels[0][0]
+
+
+def groups_alike(
+    run: xr.Dataset, names: Sequence[str], time_range: tuple[float, float] | None = None
+) -> list[list[str]]:
+    """Names of variables in groups of one unit and of sizes that can be read on one axis."""
+    inside = run
+    if time_range is not None:
+        low, high = time_range
+        inside = run.isel(time=((run["time"] >= low) & (run["time"] <= high)).values)
+    sizes = {}
+    for name in names:
+        values = np.abs(inside[name].values.astype(float))
+        sizes[name] = float(values[np.isfinite(values)].max(initial=0.0))
+    units = {name: str(run[name].attrs.get("units", "") or "1") for name in names}
+    groups: list[list[str]] = []
+    for name in sorted(sizes, key=lambda each: -sizes[each]):  # the largest of a group is first
+        alike = (
+            group
+            for group in groups
+            if units[group[0]] == units[name]
+            and (sizes[name] == 0.0 or sizes[group[0]] <= _APART * sizes[name])
+        )
+        group = next(alike, None)
+        if group is None:
+            groups.append([name])
+        else:
+            group.append(name)
+    order = list(names)
+    groups = [sorted(group, key=order.index) for group in groups]
+    return sorted(groups, key=lambda group: order.index(group[0]))
+
+
+def _panels(
+    run: xr.Dataset,
+    names: Sequence[str],
+    time_range: tuple[float, float] | None,
+    ax: Axes | None,
+) -> list[tuple[Axes, list[str]]]:
+    """Axes with the variables that are drawn on them, the upper ones without numbers of time."""
+    if ax is not None:
+        return [(ax, list(names))]
+    groups = groups_alike(run, names, time_range)
+    first = new_axes(height=_FIRST + _FURTHER * (len(groups) - 1))
+    axes = [first] if len(groups) == 1 else divided(first, len(groups))
+    for upper in axes[:-1]:
+        upper.tick_params(labelbottom=False)
+    return list(zip(axes, groups, strict=True))
+
+
+def _finish(
+    run: xr.Dataset,
+    names: Sequence[str],
+    ax: Axes,
+    time_range: tuple[float, float] | None,
+    *,
+    last: bool,
+) -> None:
+    """Labels, that of time at the lowest axes; rounding beside other states is drawn as zero."""
     sizes = 0.0, max(largest_state(run, *names, time_range=time_range))
-    finish_axes(ax, axis_label(run["time"]), common_label(run, names), sizes=sizes)
-    if legend and len(ax.get_legend_handles_labels()[1]) > 1:
-        place_legend(ax)
-    return ax
+    finish_axes(ax, axis_label(run["time"]) if last else "", common_label(run, names), sizes=sizes)
 
 
 def draw_lines(
@@ -176,7 +241,7 @@ def phases(
     time_range : tuple of float, optional
         First and last time to draw, such as those of one period; the whole run by default.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; new axes of a column's width by default.
+        Where to draw all variables; new axes of a column's width by default.
     labels : mapping of str to str, optional
         Texts of the legend by name of the variable or mode; the name by default.
     legend : bool, optional
@@ -185,7 +250,8 @@ def phases(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes; one line per variable, one collection of rectangles per mode.
+        The axes; one line per variable, one collection of rectangles per mode. Further ones are
+        below them, in ``ax.figure.axes``, as for `time_history`.
 
     Raises
     ------
@@ -209,15 +275,18 @@ def phases(
     names = check_variables(run, variables)
     check_log(run)
     time_range = check_range(run, time_range)
-    ax = new_axes() if ax is None else ax
+    panels = _panels(run, names, time_range, ax)
     labels = labels or {}
-    draw_lines(run, names, ax, time_range, labels)
-    _draw_modes(run, ax, ax.get_xlim(), labels)
-    sizes = 0.0, max(largest_state(run, *names, time_range=time_range))
-    finish_axes(ax, axis_label(run["time"]), common_label(run, names), sizes=sizes)
+    for panel, group in panels:
+        draw_lines(run, group, panel, time_range, labels)
+        _draw_modes(run, panel, panel.get_xlim(), labels)
+        _finish(run, group, panel, time_range, last=panel is panels[-1][0])
     if legend:
-        place_legend(ax)
-    return ax
+        place_legend(panels[0][0])
+        for panel, group in panels[1:]:
+            if len(group) > 1:  # the modes are explained above
+                place_legend(panel, panel.lines)
+    return panels[0][0]
 
 
 class _Spans(NamedTuple):

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.branch_curves import check_branch, mark_special_points
+from nonsmooth.plot.crowding import spaced
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import PALETTE, axis_label, colour_bar, finish_axes, growing_colours
@@ -27,6 +28,7 @@ _MOST_ALONG = 2.0  # of paths: farther out they only lead away
 _BESIDE = 1.2  # width of axes over what the bar beside them leaves
 _SPACE = 1.12  # from the outermost multiplier to the border
 _OUTSIDE = "0.94"  # grey
+_BETWEEN = 10.0  # points from a mark to the next one of its kind
 _CROSSING = ("fold", "flip", "torus", "symmetry_breaking")  # of the unit circle
 _FAR = 1e3  # times the picture, beyond which a path only leads out of it
 _INFINITE = 1e300
@@ -78,9 +80,10 @@ def multipliers(
 
     Notes
     -----
-    Multipliers of one orbit that lie beyond the picture are drawn at its border, and the legend
-    tells how large they are. Paths end where a multiplier jumps, as it does where an orbit grazes,
-    or is infinite, as at the graze of a rigid wall.
+    Of marks of one kind that would lie on each other the first one is drawn, so a mark may stand
+    for several special points. Multipliers of one orbit that lie beyond the picture are drawn at
+    its border, and the legend tells how large they are. Paths end where a multiplier jumps, as it
+    does where an orbit grazes, or is infinite, as at the graze of a rigid wall.
 
     Examples
     --------
@@ -216,7 +219,12 @@ def _draw_paths(branch: xr.Dataset, ax: Axes, special: bool, far: float) -> None
         kinds = marked["special_kind"].values.astype(str)
         pair = at.imag != 0.0  # of which one is told; a real one marked twice would look crowded
         at = np.append(at, at[pair].conj())
-        mark_special_points(ax, [*kinds, *kinds[pair]], at.real, at.imag)
+        kinds = np.append(kinds, kinds[pair])
+        known = np.isfinite(at)
+        at, kinds = at[known], kinds[known]
+        # along a branch many tori may begin, all on the circle
+        kept = spaced(ax, at.real, at.imag, kinds.tolist(), _BETWEEN)
+        mark_special_points(ax, kinds[kept].tolist(), at[kept].real, at[kept].imag)
 
 
 def multiplier_paths(multipliers: npt.ArrayLike) -> Complex:

@@ -316,3 +316,51 @@ def test_what_is_no_record():
     ):
         with pytest.raises(ns.OptionError, match=words):
             ns.measured.check(wrong)
+
+
+def arches(seed, fastest=250.0):
+    """Four harmonics of random size and phase, with amplitude one."""
+    rng = np.random.default_rng(seed)
+    f = rng.uniform(3.0, fastest) / 4.0
+    parts = [
+        rng.normal() / k * np.cos(2 * np.pi * f * k * times() + rng.uniform(0, 2 * np.pi))
+        for k in range(1, 5)
+    ]
+    return sum(parts) / np.abs(sum(parts)).max(), rng
+
+
+@pytest.mark.parametrize("depth", [0.02, 0.1, 0.3])
+@pytest.mark.parametrize("noise", [0.0, 0.3, 2.0])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_one_peak_that_is_clipped(depth, noise, sign):
+    """All peaks but one are lower than the rail: one flat top, of 8, 18 and 30 samples."""
+    turn = 2 * np.pi * 10.0 * (times() - 2.0)
+    x = np.cos(turn) * (0.6 + 0.4 * np.exp(-((times() - 2.0) ** 2) / 0.002))
+    x += noise * STEP * np.random.default_rng(3).normal(size=COUNT)
+    cut = sign * np.round(np.minimum(x, 1.0 - depth) / STEP) * STEP
+    truth = np.flatnonzero(x >= 1.0 - depth)
+    found = check(cut)
+    assert kinds(found) == ["clipped"]
+    told = flags(found, 4)
+    # a sample within half a step of the rail is rounded to it
+    assert set(truth[2:-2]) <= set(told) <= set(range(truth[0] - 2, truth[-1] + 3))
+
+
+def test_records_that_are_not_clipped_give_no_more_alarms_than_stated():
+    """The test of a channel has a rate of 2e-4: one alarm in 120 records has a chance of 2.4 %."""
+    alarms = 0
+    for seed in range(120):
+        x, rng = arches(seed)
+        step = rng.choice([1e-4, 1e-3, 1e-2])
+        x = x + step * rng.choice([0.0, 0.3, 1.0, 5.0]) * rng.normal(size=COUNT)
+        alarms += "clipped" in kinds(check(np.round(x / step) * step))
+    assert alarms == 0
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-3])
+def test_what_rests_at_its_extreme_value_is_not_clipped(step):
+    """A mass that friction holds at each turn: it comes to rest, and leaves slowly."""
+    away = np.abs(np.mod(7.0 * times(), 1.0) - 0.5)
+    x = -4.0 * np.maximum(away - 0.1, 0.0) ** 2
+    found = check(np.round(x / step) * step if step else x)
+    assert "clipped" not in kinds(found)

@@ -183,11 +183,8 @@ class BranchCollector:
 
     def _with_strobes(self, branch: xr.Dataset) -> xr.Dataset:
         """The branch with all points of its orbits on the map, as settled motions have them."""
-        states = self._states(branch)
-        strobes = np.full((len(states), self.longest, states.shape[1]), np.nan)
-        strobes[:, : _period(branch)] = branch["strobes"].values
-        over = branch["strobes"].dims
-        return branch.drop_vars("strobes").assign(strobes=(over, strobes))
+        width = self.longest - branch.sizes.get("strobe_of_turn", 0)
+        return branch.pad(strobe_of_turn=(0, width)) if width else branch
 
     def _states(self, branch: xr.Dataset) -> Floats:
         return np.column_stack([branch[name].values for name in self.chosen.system.states])

@@ -32,6 +32,7 @@ _OF_POINTS = (
     "residual",
     "multipliers",
     "strobes",
+    "strobe_times",
 )
 _OF_SPECIALS = ("kind", "value", "point", "test", "detail", "multiplier")
 

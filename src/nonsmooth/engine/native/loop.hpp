@@ -150,7 +150,10 @@ inline void move_anchor(const Run& run, const SegmentTimes& times) {
     const Anchor& anchor = run.anchor;
     WindowPhase when{anchor.place.number + WINDOWS, 0.0};
     if (times.length < times.whole) when = instant_at(run, times.length);
-    if (when.number > anchor.place.number) run.records.counters.window_events = 0;
+    Counters& counters = run.records.counters;
+    if (when.number > anchor.place.number) counters.window_events = 0;
+    // events at knots begin where a segment has ended: time has advanced between two of them
+    if (when.number != anchor.place.number || when.phase != anchor.phase) counters.stalled = 0;
     const int64_t is_estimated = anchor.place.is_estimated | *run.segment.is_estimated;
     anchor.place = {when.number, anchor.place.mode, when.phase, is_estimated};
     // behind a knot a guard that has been zero may leave it
@@ -226,7 +229,10 @@ inline SegmentEnd pass_segment(const Run& run) {
     const Crossing crossing =
         is_known ? crossing_before_pause(pause) : search_segment(run, times);
     if (crossing.found == Found::paused) return ends_with(PAUSED);
-    const double over = crossing.exit >= 0 ? rounding_of_event(run, crossing.s) : 0.0;
+    // behind a knot a guard may have jumped, so that it is the place of an event
+    const bool at_knot = run.tables.signals.size() > 0 && times.length == *run.segment.to_knot;
+    const bool at_event = crossing.exit >= 0 || (at_knot && crossing.s == times.length);
+    const double over = at_event ? rounding_of_event(run, crossing.s) : 0.0;
     if (!write_samples(run, std::min(crossing.s, times.end), over)) {
         return pause_at_samples(run, crossing);
     }

@@ -83,15 +83,16 @@ def check(
     ``gap`` and ``uneven`` the step of time, of ``missing`` and ``marks`` how many (negative: too
     few).
 
-    *Frozen.* White noise before rounding makes L equal samples in a row with a known probability;
-    a longer row than that is frozen. Where the noise is too small to move the last digit, a
-    motion at rest stands still, too: then a stretch is frozen only if it is much longer than the
-    second longest. *Clipped.* More samples at an extreme value than the top of a smooth arch has.
-    *Spike.* One sample off the cubic through its eight neighbours, while these are on it. An
-    impact bends them; contacts that span fewer than three samples cannot be told from spikes, nor
-    can spikes of two samples be told from impacts. *Drift.* A parabola through means of
-    blocks, against their scatter. *Hum.* A line at the mains against the lines beside it, left out
-    where a multiple of the speed falls on it.
+    *Frozen.* White noise before rounding makes L equal samples in a row with a known probability; a
+    longer row than that is frozen. Where the noise is too small to move the last digit, a motion at
+    rest stands still, too: then a stretch is frozen only if it is much longer than the second
+    longest. *Clipped.* More samples at an extreme value than the top of a smooth arch has; or one
+    flat top of three samples or more that parabolas through its neighbours on either side both lead
+    beyond, by more than rounding and noise explain. *Spike.* One sample off the cubic through its
+    eight neighbours, while these are on it. An impact bends them; contacts that span fewer than
+    three samples cannot be told from spikes, nor can spikes of two samples be told from impacts.
+    *Drift.* A parabola through means of blocks, against their scatter. *Hum.* A line at the mains
+    against the lines beside it, left out where a multiple of the speed falls on it.
 
     Examples
     --------

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.measured.quality.cut_peaks import cut_tops
 from nonsmooth.measured.quality.flaw import Flaw, Readings
 from nonsmooth.measured.quality.noise import longest_by_chance
 
@@ -18,6 +19,7 @@ Floats = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 _LEAVING = 0.5  # of the slope into a rail, at least, that out of it has where a signal is clipped
+_CUT = 0.5  # of the flat tops, that are cut off where a signal without noise is clipped
 _SLOPE = 3  # samples before and after a flat top by which slopes are told
 _FEWEST_RUNS = 20  # by which the longest one is judged where noise does not show
 
@@ -100,9 +102,12 @@ def _is_clipped(data: Readings, runs: Runs, here: Mask, rail: float, limit: floa
     power = -0.5 if noise.least > 0.0 else -0.25
     # one sample is the extreme one of any record
     by_chance = float(binom.sf(at - 2, max(near - 1, at - 1), (width + 1.0) ** power))
+    if by_chance <= data.rate and noise.least > 0.0:
+        return True
+    cut = cut_tops(data, rail, runs.first[here], runs.length[here])
     if by_chance > data.rate:
-        return False
-    return noise.least > 0.0 or _leaves_as_it_came(values, runs, here)
+        return bool(cut.any())  # one peak may be cut off, and all others be lower
+    return bool(cut.mean() >= _CUT) if cut.size else _leaves_as_it_came(values, runs, here)
 
 
 def _leaves_as_it_came(values: Floats, runs: Runs, here: Mask) -> bool:

@@ -26,6 +26,7 @@ from nonsmooth.system.text.expressions import Expression, Name, names_in, to_tex
 from nonsmooth.system.text.grammar import parse_condition
 
 __all__ = [
+    "IS_REQUIRED",
     "check_structure",
     "check_values",
     "condition_of",
@@ -35,6 +36,7 @@ __all__ = [
 ]
 
 Bools = npt.NDArray[np.bool_]
+IS_REQUIRED = " is required"  # what is said of a condition that does not hold
 _TURN = 5e-15  # half of what `check_values` allows
 
 
@@ -166,7 +168,7 @@ def first_unmet(require: Mapping[str, str], values: Mapping[str, float]) -> str:
         if not _holds(condition, values):
             names = [n.name for n in _condition_names(condition) if n.name != "pi"]
             given = _with_enough_digits(condition, {name: values[name] for name in names})
-            return f"{condition} is required, {given} was given: {reason}"
+            return f"{condition}{IS_REQUIRED}, {given} was given: {reason}"
     return ""
 
 
