@@ -80,6 +80,8 @@ def forecast(
     than a few whole tiles would in the same time.
 
     For other machines, divide: twice as many equal processors take half of the time.
+    The samples run on the processor, also where `use_device` has chosen a graphics device: the time
+    is that of processors alone.
 
     Examples
     --------
