@@ -359,3 +359,23 @@ def test_a_state_that_is_zero_at_the_strobes_has_no_period_of_its_rounding():
     found = ns.bifurcation_diagram(ball, "A", amplitudes, transient=100, record=60)
     assert found["period"].values.ravel().tolist() == [1, 1, 1]
     assert np.abs(found["y"].values).max() < 1e-13
+
+
+def test_states_that_are_all_zero_at_the_strobes_have_no_period_of_their_rounding():
+    """A follower that rides on its cam, at rest at the strobes; below w = 3.4597 it never lifts."""
+    cam = System(
+        states=["y", "v"],
+        period="2*pi/w",
+        parameters={"w": 2.0},
+        definitions={"s": "(1 - cos(w*t))/2", "u": "w*sin(w*t)/2"},
+        modes={
+            "air": Mode(
+                {"y": "v", "v": "-4*(y + 0.5) - 0.2*v"},
+                exits=[Exit("y - s", reset={"v": "u - 0.3*(v - u)"}, sticks="rides", name="land")],
+            )
+        },
+    )
+    found = ns.bifurcation_diagram(cam, "w", np.linspace(1.5, 3.4, 9), transient=60, record=50)
+    assert np.abs(found["v"].values).max() < 1e-13
+    assert np.ptp(found["v"].values, axis=-1).max() > 0.0  # rounding, and no zeros
+    assert found["period"].values.ravel().tolist() == [1] * 9

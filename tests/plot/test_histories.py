@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import nonsmooth as ns
 from nonsmooth.errors import OptionError
@@ -171,3 +172,29 @@ def test_sizes_are_those_of_the_range_that_is_drawn():
     run = ns.simulate(decay, times=np.linspace(0.0, 10.0, 200))
     assert len(ns.plot.time_history(run, ["a", "b"], time_range=(0.0, 1.0)).figure.axes) == 1
     assert len(ns.plot.time_history(run, ["a", "b"], time_range=(5.0, 9.0)).figure.axes) == 2
+
+
+def test_stays_shorter_than_a_pixel_tint_it_by_their_share():
+    """3000 turns of which a tenth is short: drawn by chance, some pixels would hold them whole."""
+    turns = ns.System(
+        states=["x"],
+        modes={
+            "long": ns.Mode({"x": "1"}, exits=[ns.Exit("9 - x", to="short")]),
+            "short": ns.Mode({"x": "1"}, exits=[ns.Exit("10 - x", to="long", reset={"x": "0"})]),
+        },
+    )
+    run = ns.simulate(turns, times=[0.0, 30_000.0])
+    ax = ns.plot.phases(run, "x", legend=False)
+    ax.lines[0].remove()
+    figure = ax.figure
+    figure.canvas.draw()
+    picture = np.asarray(figure.canvas.buffer_rgba())[..., :3] / 255.0
+    (left, bottom), (right, top) = ax.transAxes.transform([(0.02, 0.02), (0.98, 0.98)])
+    height = len(picture)
+    inside = picture[height - int(top) : height - int(bottom), int(left) : int(right)]
+    colours = ns.plot.mode_colours(run)
+    mixed = 0.9 * np.array(to_rgb(colours["long"])) + 0.1 * np.array(to_rgb(colours["short"]))
+    pale = 0.3 * mixed + 0.7
+    row = inside[len(inside) // 2]
+    np.testing.assert_allclose(row.mean(axis=0), pale, atol=0.05)
+    assert np.abs(row - row.mean(axis=0)).max() < 0.05  # no pixel is one mode alone

@@ -230,7 +230,8 @@ def phases(
     """Variables of a run over time, with the mode in force as the colour behind them.
 
     The colours change at the exact times of the events. Each mode has the same colour in
-    every picture, see `mode_colours`.
+    every picture, see `mode_colours`. Stays that are shorter than a pixel mix with those beside
+    them, each by its share of the time.
 
     Parameters
     ----------
@@ -331,6 +332,7 @@ def _draw_modes(
             edgecolor="none",
             zorder=0,
             rasterized=begin.size > DENSE,
+            snap=False,  # a stay shorter than a pixel tints it by its share, and is not left out
             label=labels.get(name, mode_label(name)),
         )
         ax.add_collection(rectangles, autolim=False)

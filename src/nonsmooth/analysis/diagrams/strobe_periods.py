@@ -19,6 +19,9 @@ from nonsmooth.runs.sweep_runner import Recorded
 
 __all__ = ["said_of_restless", "strobe_periods"]
 
+_MAYBE_ROUNDING = 1e-9  # size of all states from which their rates are looked at
+_STEPS = 16  # of a window, from one place where rates are looked at to the next
+
 Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -86,19 +89,28 @@ def _passing_zero(group: Group, recorded: Recorded, i: int, scale: Floats, match
     """Scales of the states of a motion; of one that is zero at the strobes, what it moves by.
 
     Such a state passes through zero there, as a base does that shakes as the sine of the phase:
-    what is recorded of it is rounding, which repeats to no part of its own size.
+    what is recorded of it is rounding, which repeats to no part of its own size. All states may do
+    so, as those of a follower that rides on its cam, and rates may vanish there as well.
     """
     states = np.abs(recorded.states[i]).max(axis=0)
-    tiny = ~group.drifting & (states <= match**2 * states.max(initial=0.0))
+    largest = states.max(initial=0.0)
+    tiny = ~group.drifting & ((states <= match**2 * largest) | (largest <= _MAYBE_ROUNDING))
     if not np.any(tiny):
         return scale
-    window = float(recorded.windows[i])
-    instant = Instant(int(recorded.numbers[i, -1]), float(recorded.phases[i, -1]))
-    rates = StateRates(group.system, group.runner.tables(i)).at(
-        instant, int(recorded.modes[i, -1]), recorded.states[i, -1]
-    )
-    moved = np.abs(rates) * window
+    moved = _moved(group, recorded, i)
     return np.where(tiny & (states <= match**2 * moved), moved, scale)
+
+
+def _moved(group: Group, recorded: Recorded, i: int) -> Floats:
+    """What a motion moves by in a window, from its rates at the last strobe and behind it."""
+    window = float(recorded.windows[i])
+    number, phase = int(recorded.numbers[i, -1]), float(recorded.phases[i, -1])
+    mode, state = int(recorded.modes[i, -1]), recorded.states[i, -1]
+    rates = StateRates(group.system, group.runner.tables(i))
+    here = rates.at(Instant(number, phase), mode, state)
+    step = window / _STEPS
+    behind = rates.at(Instant(number, phase + step), mode, state + here * step)
+    return np.asarray(np.maximum(np.abs(here), np.abs(behind)) * window)
 
 
 def _begun(group: Group, recorded: Recorded) -> Floats:
