@@ -418,6 +418,8 @@ def _search(
     found: list[Fitted | None] = []
     for k, (shooting, guess) in enumerate(zip(shootings, guesses, strict=True)):
         if shooting.set_up(shooting.head_of(guess)):
+            for each in shooting.records:
+                each.limit_work(initial)
             sizes = [sizes_of_states(each, initial) for each in shooting.records]
             largest = np.max(sizes, axis=0)
             shooting.scale_states(np.where(largest > 0.0, largest, 1.0))
