@@ -130,7 +130,7 @@ class RecordEquations:
         return self.flights.set_up(dict(zip(self.free, map(float, head), strict=False)))
 
     def limit_work(self, initial: Floats) -> None:
-        """Let runs end early that need far more work than the motion from a state through the data."""
+        """Let runs end early that need far more work than a motion through the data."""
         count = sum(int(np.isfinite(channel.values).sum()) for channel in self.channels)
         begin, end = float(self.bounds[0]), float(self.bounds[-1])
         self.flights.limit_work(initial, begin, end, max(1, count))
