@@ -16,6 +16,8 @@ from nonsmooth.analysis.measures.integrity_measures import (
 )
 from nonsmooth.analysis.measures.outcomes import LEFT_OUT, outcomes_of
 from nonsmooth.errors import OptionError
+from nonsmooth.runs.whole_turns import periods_of
+from nonsmooth.system.system import System
 
 __all__ = ["integrity"]
 
@@ -127,7 +129,8 @@ def integrity(
     names = [str(name) for name in reversed(basins["label"].dims)]
     axes = tuple(np.asarray(basins[name].values, float) for name in names)
     _check_axes(names, axes)
-    cells = Cells(axes, read_axis_scales(scales, names), outcomes.counts)
+    sizes = read_axis_scales(scales, names)
+    cells = Cells(axes, sizes, outcomes.counts, _periods(basins, names))
     numbers = basins["attractor"].values.astype(int)
     together = _read_safe(safe, numbers)
     missing = _left_out(basins, names)
@@ -150,6 +153,13 @@ def integrity(
             "safe": " ".join(map(str, sorted(together))),
         },
     )
+
+
+def _periods(basins: xr.Dataset, names: list[str]) -> Floats:
+    """Periods of the states of the region that are angles, zero of the others."""
+    if "system" not in basins.attrs:
+        return np.zeros(len(names))
+    return periods_of(System.from_toml(basins.attrs["system"]), names)
 
 
 def _kept(basins: xr.Dataset) -> dict[str, Any]:

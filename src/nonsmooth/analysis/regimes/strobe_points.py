@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
-from nonsmooth.runs.whole_turns import cuts_of, folded
+from nonsmooth.runs.whole_turns import cuts_of, folded, periods_of
 from nonsmooth.system.system import System
 
 __all__ = ["StrobePoints", "strobe_points"]
@@ -68,8 +68,9 @@ def strobe_points(data: Any, variables: Any) -> StrobePoints:
 
 def _within_turns(values: Floats, names: list[str], system: System | None) -> Floats:
     """Values whose angles lie within one turn, cut open where no points are: what turns repeats."""
-    angles = system.angles if system else {}
-    periods = np.array([angles.get(name, 0.0) for name in names])
+    if system is None:
+        return values
+    periods = periods_of(system, names)
     return folded(values, cuts_of(values, periods), periods)
 
 
