@@ -143,7 +143,8 @@ def edge_state(
     Where the border is fractal, a segment crosses it many times; the first crossing between the
     outcomes of both ends is followed. Where a third basin lies between, its border with the first
     one is, and ``outcome`` tells. The states between two points of the map are taken on a straight
-    line, which a curved constraint of a mode may not admit.
+    line, which a curved constraint of a mode may not admit. That line runs between the values of an
+    angle that are given; afterwards angles count up to whole turns.
 
     References
     ----------

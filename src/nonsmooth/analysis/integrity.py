@@ -88,6 +88,10 @@ def integrity(
     Where the region leaves states out that do not drift, the basin is a section of the whole one,
     and the attractor need not lie in it: ``local_integrity`` is then nan.
 
+    If the cells of an angle fill its turn, the last one lies beside the first, and the region has
+    no end there. Otherwise both ends count, and an attractor lies in the region if it does so up to
+    whole turns.
+
     References
     ----------
     J. M. T. Thompson and M. S. Soliman, Fractal control boundaries of driven oscillators and their
