@@ -189,3 +189,60 @@ def test_basins_agree_with_an_integration_of_their_own(method):
     # mappings of cells take a cell for its centre, or for the most of its points: on a border of
     # basins one in twenty may be off, and a grid of random labels would be off in ten
     assert wrong <= (0 if method == "recurrences" else 1)
+
+
+@pytest.mark.parametrize("turns", [0, 1, 2])
+def test_the_border_of_rest_and_rotation_is_found_from_any_turn(turns):
+    """Its saddle is one of scipy, with the multipliers of its variational equations."""
+    system = pendulum(0.8, 0.42)
+    begin = {"q": 2 * np.pi * turns, "w": 0.0}
+    edge = ns.edge_state(system, begin, {"q": 0.0, "w": 1.5})
+    assert (edge["kind"].item(), edge["period"].item()) == ("periodic", 1)
+    assert edge["outcome"].values.tolist() == ["periodic", "periodic"]
+    here = [float(edge["q"][0]), float(edge["w"][0])]
+    state, multipliers = rotation(0.8, 0.42, here, 1, 0)
+    # the map multiplies an error of 1e-13 of DOP853 by 35
+    assert np.abs(state - here).max() < 1e-11
+    own = np.sort(edge["multipliers"].values.real)
+    assert np.abs(own - np.sort(multipliers.real)).max() < 1e-9
+
+
+def test_the_border_of_two_rotations_is_a_rotation():
+    system = pendulum(0.8, 0.42)
+    found = ns.attractors(system, {"q": (-3, 3), "w": (-2, 3)}, samples=20)
+    edge = ns.edge_state(system, found.sel(attractor=2), found.sel(attractor=3))
+    assert edge["kind"].item() == "periodic"
+    here, period = np.array([float(edge["q"][0]), float(edge["w"][0])]), edge["period"].item()
+    end, tangent = image(0.8, 0.42, here, period)
+    turns = (end - here)[0] / (2 * np.pi)
+    assert round(turns) > 0
+    gap = end - here - [2 * np.pi * round(turns), 0.0]
+    largest = np.abs(np.linalg.eigvals(tangent)).max()
+    assert largest > 1.0
+    assert np.abs(gap).max() < 1e-11 * largest  # an error of 1e-13 of DOP853 grows by that
+
+
+def test_a_picture_has_one_branch_where_the_vertical_turns():
+    """In q - s nothing depends on s: one motion, which s takes along for more than a turn."""
+    tilted = ns.System(
+        states=["q", "w"],
+        parameters={"s": 0.0},
+        drift={"q": "2*pi"},
+        period="2*pi/1.5",
+        equations={"q": "w", "w": "0.3*cos(1.5*t) - 0.4*w - sin(q - s)"},
+    )
+    found = ns.bifurcation_picture(
+        tilted, "s", (-4, 5), {"q": (-3, 3), "w": (-1, 1)}, columns=5, samples=6, searches=0,
+        longest=1,
+    )  # fmt: skip
+    assert found.sizes["branch"] == 1
+    assert found["period"].values.tolist() == [[1]] * 5
+
+
+@pytest.mark.parametrize(("T", "m", "periods", "turns"), LOCKED)
+def test_local_regimes_take_angles_that_are_whole_turns_apart_for_one(T, m, periods, turns):
+    run = ns.simulate(pendulum(T, m), START, periods=600, samples_per_period=1)
+    run = run.isel(time=slice(300, None))
+    more = np.random.default_rng(0).integers(-3, 4, run.sizes["time"])
+    run["q"] = run["q"] + 2 * np.pi * more
+    assert ns.local_regimes(run)["stretch_period"].values.tolist() == [periods]

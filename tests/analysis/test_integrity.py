@@ -135,3 +135,57 @@ def test_wrong_use(change, message):
     basins = labelled(lambda a, b: a < 2.0, (20, 20), (1.0, 1.0))
     with pytest.raises(ns.OptionError, match=message):
         ns.integrity(**{"basins": basins} | change)
+
+
+TURN = 2.0 * np.pi
+
+
+def pendulum():
+    return ns.System(
+        states=["x", "y"],
+        parameters={"T": 0.8, "m": 0.42},
+        drift={"x": "2*pi"},
+        period="2*pi/1.5",
+        equations={"x": "y", "y": "T*cos(1.5*t) + m - 0.2*y - sin(x)"},
+    )
+
+
+@pytest.mark.parametrize("low", [-np.pi, 0.0, 2.5])
+@pytest.mark.parametrize("turns", [-1, 0, 3])
+def test_a_border_across_the_end_of_a_turn(low, turns):
+    """A strip around 3 with straight borders at 2 and 4, wherever the cells of the turn begin."""
+    point = (3.0 + TURN * turns, 1.0)
+    basins = labelled(
+        lambda x, y: np.cos(x - 3.0) > np.cos(1.0), (90, 60), point, (low, -1.0), (TURN, 4.0)
+    ).assign_attrs(system=pendulum().to_toml())
+    found = ns.integrity(basins).sel(attractor=1)
+    assert found["local_limit"].item() == "border"
+    assert abs(float(found["local_integrity"]) - 1.0) <= float(found["local_error"])
+    assert abs(float(found["integrity_factor"]) - 1.0) <= float(found["factor_error"])
+    assert abs(float(found["global_integrity"]) - 2.0 / TURN) <= float(found["global_error"])
+    # two borders, each with a column of cells on either side, of which there are 90
+    assert float(found["global_error"]) == pytest.approx(4.0 / 90)
+
+
+def test_a_part_of_a_turn_has_an_end():
+    basins = labelled(
+        lambda x, y: np.cos(x - 3.0) > np.cos(1.0), (90, 60), (3.0 + TURN, 1.0), (0.0, -1.0),
+        (3.5, 4.0),
+    ).assign_attrs(system=pendulum().to_toml())  # fmt: skip
+    found = ns.integrity(basins).sel(attractor=1)
+    assert found["local_limit"].item() == "region"
+    # the end is where it is, so the half diagonal that is taken off is all there is, to rounding
+    assert abs(float(found["local_integrity"]) - 0.5) <= float(found["local_error"]) + 1e-12
+
+
+def test_profiles_do_not_depend_on_where_a_turn_begins():
+    """The same cells, but for whole turns of some of them, and the same motions."""
+    y = np.linspace(-2.0, 3.0, 8)
+    found = []
+    for first in (0, 5):
+        x = -np.pi + TURN / 12 * (first + np.arange(12))
+        found.append(ns.erosion_profile(pendulum(), "m", [0.40, 0.42], {"x": x, "y": y}))
+    one, other = found
+    assert np.isfinite(one["local_integrity"].values[:, :2]).all()
+    for name in ("local_integrity", "local_error", "global_integrity", "integrity_factor"):
+        assert np.allclose(one[name], other[name], rtol=0.0, atol=1e-12, equal_nan=True), name

@@ -15,6 +15,7 @@ from nonsmooth.analysis.basins.attractor_search import (
     drift_mask,
     measure_of,
 )
+from nonsmooth.analysis.basins.folded_runner import runner_within_turns
 from nonsmooth.analysis.basins.recurrences import Known
 from nonsmooth.analysis.basins.region import Completion, read_completion
 from nonsmooth.analysis.edges.edge_dataset import check_state_names, edge_dataset
@@ -29,6 +30,7 @@ from nonsmooth.runs.options import positive_number, whole_number
 from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import check_carried, resolve_start
+from nonsmooth.runs.whole_turns import periods_of_states
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -141,7 +143,8 @@ def edge_state(
     Where the border is fractal, a segment crosses it many times; the first crossing between the
     outcomes of both ends is followed. Where a third basin lies between, its border with the first
     one is, and ``outcome`` tells. The states between two points of the map are taken on a straight
-    line, which a curved constraint of a mode may not admit.
+    line, which a curved constraint of a mode may not admit. That line runs between the values of an
+    angle that are given; afterwards angles count up to whole turns.
 
     References
     ----------
@@ -185,8 +188,9 @@ def edge_state(
     drifting = drift_mask(chosen.system)
     complete = _completed(rule) if completion else None
     straddle = Straddle(
-        _search(chosen, ends, complete, whole, close, tolerance, drifting), whole["points"]
-    )
+        _search(chosen, ends, complete, whole, close, tolerance, drifting), whole["points"],
+        periods_of_states(chosen.system),
+    )  # fmt: skip
     pair = straddle.begin(ends, modes)
     with Progress("edge state", spans.iterates) as progress:
         found = follow_edge(straddle, pair, spans, drifting, complete, progress.update)
@@ -267,7 +271,7 @@ def _search(
     drifting: npt.NDArray[np.bool_],
 ) -> AttractorSearch:
     """A search for attractors whose units are those of motions from all over the segment."""
-    runner = chosen.runner(tolerance)
+    runner = runner_within_turns(chosen, tolerance)
     starts = ends[0] + np.linspace(0.0, 1.0, whole["points"] + 2)[:, None] * (ends[1] - ends[0])
     if complete is not None:
         starts = complete(starts)

@@ -16,6 +16,8 @@ from nonsmooth.analysis.measures.integrity_measures import (
 )
 from nonsmooth.analysis.measures.outcomes import LEFT_OUT, outcomes_of
 from nonsmooth.errors import OptionError
+from nonsmooth.runs.whole_turns import periods_of
+from nonsmooth.system.system import System
 
 __all__ = ["integrity"]
 
@@ -86,6 +88,10 @@ def integrity(
     Where the region leaves states out that do not drift, the basin is a section of the whole one,
     and the attractor need not lie in it: ``local_integrity`` is then nan.
 
+    If the cells of an angle fill its turn, the last one lies beside the first, and the region has
+    no end there. Otherwise both ends count, and an attractor lies in the region if it does so up to
+    whole turns.
+
     References
     ----------
     J. M. T. Thompson and M. S. Soliman, Fractal control boundaries of driven oscillators and their
@@ -127,7 +133,8 @@ def integrity(
     names = [str(name) for name in reversed(basins["label"].dims)]
     axes = tuple(np.asarray(basins[name].values, float) for name in names)
     _check_axes(names, axes)
-    cells = Cells(axes, read_axis_scales(scales, names), outcomes.counts)
+    sizes = read_axis_scales(scales, names)
+    cells = Cells(axes, sizes, outcomes.counts, _periods(basins, names))
     numbers = basins["attractor"].values.astype(int)
     together = _read_safe(safe, numbers)
     missing = _left_out(basins, names)
@@ -150,6 +157,13 @@ def integrity(
             "safe": " ".join(map(str, sorted(together))),
         },
     )
+
+
+def _periods(basins: xr.Dataset, names: list[str]) -> Floats:
+    """Periods of the states of the region that are angles, zero of the others."""
+    if "system" not in basins.attrs:
+        return np.zeros(len(names))
+    return periods_of(System.from_toml(basins.attrs["system"]), names)
 
 
 def _kept(basins: xr.Dataset) -> dict[str, Any]:

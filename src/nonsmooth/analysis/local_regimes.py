@@ -64,7 +64,8 @@ def local_regimes(
         What lines may leave of each branch (root mean square), as a part of the spread of each
         variable over all of the data.
     variables : str or list of str, optional
-        What must repeat; all states by default, but those that drift.
+        What must repeat; all states by default, but those that drift. Angles of the system of a run
+        repeat up to whole turns.
     parameter : str, optional
         Variable of the data to tell where each stretch begins and ends; by default the parameters
         that vary slowly in the run.

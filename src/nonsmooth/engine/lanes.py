@@ -47,6 +47,7 @@ __all__ = [
     "run",
     "run_lanes",
     "run_some",
+    "run_within",
 ]
 
 # how a run begins: in the first mode that fits; it goes on from its anchor; it goes on within the
@@ -57,7 +58,7 @@ SAME = constant("SAME")
 SEARCHING, STOPPING = constant("SEARCHING"), constant("STOPPING")
 # Work that a call of the engine does before it pauses: a tenth of a second, see work.hpp.
 WORK = 100_000_000
-# events after which a run ends that has no limit
+# events, or work, after which a run ends that has no limit
 NO_LIMIT = 2**62
 _TERMS, _MAX_DEGREE = constant("TERMS"), constant("MAX_DEGREE")
 
@@ -361,13 +362,14 @@ def run_some(
     end: tuple[int, float],
     tolerance: float,
     most_events: int = NO_LIMIT,
+    work: int = WORK,
 ) -> tuple[Status, int]:
     """Run one lane towards an instant, as far as one call goes; also how it goes on."""
     tables, rates, scratch, anchor, segment, tangent = lane
     modes, passed, statuses = np.array([mode]), np.zeros(2, np.int64), np.empty(1, np.int64)
     run_lanes(
         tables.as_lanes, rates, scratch, anchor.as_lanes, segment, tangent.as_lanes,
-        records.as_lanes, modes, 0, 1, *end, passed, statuses, tolerance, WORK, most_events,
+        records.as_lanes, modes, 0, 1, *end, passed, statuses, tolerance, work, most_events,
     )  # fmt: skip
     return Status(int(statuses[0])), int(modes[0])
 
@@ -376,7 +378,23 @@ def run(
     lane: Lane, records: Records, mode: int, end: tuple[int, float], tolerance: float
 ) -> Status:
     """Run one lane to an instant, or until it ends; mode and status are those of `run_lanes`."""
-    while True:
-        status, mode = run_some(lane, records, mode, end, tolerance)
+    return run_within(lane, records, mode, end, tolerance, NO_LIMIT)[0]
+
+
+def run_within(
+    lane: Lane,
+    records: Records,
+    mode: int,
+    end: tuple[int, float],
+    tolerance: float,
+    most_work: int,
+) -> tuple[Status, int]:
+    """The same with the work that was done, see work.hpp; it ends with WORK_LIMIT after so much."""
+    pause, done = lane[4].pause, 0
+    while done < most_work:
+        work = min(WORK, most_work - done)
+        status, mode = run_some(lane, records, mode, end, tolerance, work=work)
+        done += work - int(pause["work"])
         if status != Status.PAUSED:
-            return status
+            return status, done
+    return Status.WORK_LIMIT, done

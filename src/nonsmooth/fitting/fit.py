@@ -205,7 +205,10 @@ def fit(
     continuous. Where a state fits several modes, as with a latch or a thermostat, a segment begins
     in the mode in which the one before has ended, and the first one in that which fits its data
     best, or where the motion is periodic, in the mode of its end. Far from the minimum each segment
-    begins in the mode that fits its own data best. An interval ends where twice the logarithm of
+    begins in the mode that fits its own data best. A run of a segment ends early, as if no motion
+    were there, after ten times the work that the motion from ``initial`` and a step of the engine
+    to each sample need: a record in mm of a model in m asks for motions that are a thousand times
+    as fast. An interval ends where twice the logarithm of
     the likelihood, with everything else found anew, has fallen by the quantile of an F
     distribution.
 
@@ -418,6 +421,8 @@ def _search(
     found: list[Fitted | None] = []
     for k, (shooting, guess) in enumerate(zip(shootings, guesses, strict=True)):
         if shooting.set_up(shooting.head_of(guess)):
+            for each in shooting.records:
+                each.limit_work(initial)
             sizes = [sizes_of_states(each, initial) for each in shooting.records]
             largest = np.max(sizes, axis=0)
             shooting.scale_states(np.where(largest > 0.0, largest, 1.0))

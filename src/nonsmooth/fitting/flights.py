@@ -9,6 +9,10 @@ only when the fit has ended. So a start tells a mode, that in which the segment 
 and states that the mode holds are left out of it: the engine puts them in their place.
 
 The mode counts too where a state fits several of them, as with a latch, a relay or a thermostat.
+
+A motion that needs far more work than the record calls for ends early. A record in other units than
+its model asks for motions of another size, which may be a thousand times as fast as its samples: no
+data speak of them, and a fit would spend hours on them.
 """
 
 from __future__ import annotations
@@ -21,6 +25,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.lanes import (
     ANY,
+    NO_LIMIT,
     Anchor,
     Records,
     Tangent,
@@ -29,7 +34,7 @@ from nonsmooth.engine.lanes import (
     allocate_records,
     allocate_segment,
     allocate_tangent,
-    run,
+    run_within,
 )
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import members
@@ -49,6 +54,8 @@ Integers = npt.NDArray[np.int64]
 
 _MOST_KEPT = 500  # of different numbers of samples
 _FIRST_ROOM = 64  # events of a flight; the room doubles where they are more
+_MUCH = 10  # times the work that a motion needs
+_SOON = 1e-3  # of the time between samples: within one step of a motion
 _BEFORE = 1e-9  # of a window: the state just before an event is sampled so much earlier
 
 
@@ -81,8 +88,9 @@ class Flights:
     ) -> None:
         self.system, self.chosen, self.tolerance = system, tuple(chosen), tolerance
         self.n = len(system.states)
-        self.n_runs = 0
         self.values: dict[str, float] = {}
+        self._limit = NO_LIMIT, 0.0  # work of a run: for each sample, and per time
+        self._work_done = 0  # by the last run
         self._kept: dict[int, _Buffers] = {}
         self._picks = [NamedEvents(system, name) for name in events]
         self._room = _FIRST_ROOM
@@ -132,7 +140,6 @@ class Flights:
             status, flight = look(start, wanted, begin, times)
             if status != Status.INADMISSIBLE:
                 break
-        self.n_runs += 1
         if flight is None or turned is None:
             return flight
         found = flight.columns
@@ -141,6 +148,24 @@ class Flights:
             by_start = flight.events.columns
             by_start[:, : self.n] = by_start[:, : self.n] @ turned
         return flight
+
+    def limit_work(self, state: Floats, begin: float, end: float, count: int) -> None:
+        """Let runs end early that need far more work than a motion through so many samples.
+
+        That needs as much as the motion from a state, for each run in proportion to its length, and
+        a step of the engine for each sample, as that state may be one of rest. A run with samples
+        of its own may do a step for each of these too. There is no limit where the motion from the
+        state ends early.
+        """
+        self._limit = NO_LIMIT, 0.0
+        step = self._work(state, begin, np.array([begin + _SOON * (end - begin) / count]))
+        whole = self._work(state, begin, np.linspace(begin, end, count + 1)[1:])
+        if step is not None and whole is not None:
+            self._limit = _MUCH * step, _MUCH * (whole + step * count) / (end - begin)
+
+    def _work(self, state: Floats, begin: float, times: Floats) -> int | None:
+        """Work of a run, see work.hpp; None where it ends early."""
+        return None if self.fly(state, begin, times) is None else self._work_done
 
     def fitting_modes(self, state: Floats, begin: float) -> list[int]:
         """Modes that a state fits as it is, none of which holds any of it."""
@@ -266,4 +291,9 @@ class Flights:
         anchor.state[:] = start
         carried = self._derivatives if tangent.samples.size else NO_DERIVATIVES
         lane = (self.tables, carried.rates, carried.scratch, anchor, self._segment, tangent)
-        return run(lane, records, mode, (int(numbers[-1]), float(phases[-1])), self.tolerance)
+        end = int(numbers[-1]), float(phases[-1])
+        length = (end[0] - int(numbers[0])) * self.window + end[1] - float(phases[0])
+        per_sample, per_time = self._limit
+        most = per_sample * (1 + count) + int(per_time * length)
+        status, self._work_done = run_within(lane, records, mode, end, self.tolerance, most)
+        return status

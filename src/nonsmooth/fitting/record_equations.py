@@ -129,6 +129,12 @@ class RecordEquations:
         """Take the parameters of the head; whether the system admits them."""
         return self.flights.set_up(dict(zip(self.free, map(float, head), strict=False)))
 
+    def limit_work(self, initial: Floats) -> None:
+        """Let runs end early that need far more work than a motion through the data."""
+        count = sum(int(np.isfinite(channel.values).sum()) for channel in self.channels)
+        begin, end = float(self.bounds[0]), float(self.bounds[-1])
+        self.flights.limit_work(initial, begin, end, max(1, count))
+
     def fly(self, m: int, state: Floats, plan: SegmentData, mode: int = ANY) -> Flight | None:
         """Run through a segment from a mode on; its end is the last sample."""
         times, begin = np.append(plan.times, self.bounds[m + 1]), float(self.bounds[m])

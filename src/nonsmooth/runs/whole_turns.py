@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.system.system import System
 
-__all__ = ["cuts_of", "folded", "periods_of_states", "whole_turns"]
+__all__ = ["cuts_of", "folded", "periods_of", "periods_of_states", "whole_turns"]
 
 Floats = npt.NDArray[np.float64]
 
 
 def periods_of_states(system: System) -> Floats:
     """Period of each state that is an angle of the equations, zero of the others, (n,)."""
-    return np.array([system.angles.get(name, 0.0) for name in system.states])
+    return periods_of(system, system.states)
+
+
+def periods_of(system: System, names: Sequence[str]) -> Floats:
+    """The same of some names, zero of those that are no angles, (d,)."""
+    return np.array([system.angles.get(name, 0.0) for name in names])
 
 
 def whole_turns(changes: Floats, periods: Floats) -> Floats:

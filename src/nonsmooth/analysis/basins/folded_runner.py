@@ -17,7 +17,7 @@ from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.runs.whole_turns import folded, periods_of_states
 
-__all__ = ["runner_within_turns", "turned"]
+__all__ = ["runner_within_turns", "turned", "within_turns"]
 
 _CUT = -0.381966  # of a period, where the circle is cut open
 
@@ -49,7 +49,8 @@ class _FoldedRunner:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._runner, name)
 
-    def _fold(self, states: Floats) -> Floats:
+    def fold(self, states: Floats) -> Floats:
+        """States with their angles within one turn."""
         return folded(states, self._cuts, self._periods)
 
     def iterate(
@@ -57,14 +58,14 @@ class _FoldedRunner:
     ) -> tuple[Floats, Integers]:
         """All images, (L, count, n), and their modes."""
         states, modes = self._runner.iterate(lanes, count, stop)
-        return self._fold(states), modes
+        return self.fold(states), modes
 
     def last(
         self, lanes: Any, count: int, stop: threading.Event | None = None
     ) -> tuple[Floats, Integers]:
         """The last images, (L, n), and their modes."""
         states, modes = self._runner.last(lanes, count, stop)
-        return self._fold(states), modes
+        return self.fold(states), modes
 
     def images(
         self, state: Floats, mode: int, count: int
@@ -74,7 +75,7 @@ class _FoldedRunner:
         if found is None:
             return None
         states, modes, derivative = found
-        return self._fold(states), modes, derivative
+        return self.fold(states), modes, derivative
 
     def turned(self, state: Floats, mode: int, count: int) -> Floats:
         """How far angles turn along some images of a point, nan where the motion ends."""
@@ -87,3 +88,8 @@ def turned(runner: Any, state: Floats, mode: int, count: int) -> Floats:
     if not isinstance(runner, _FoldedRunner):
         return np.zeros(len(state))
     return runner.turned(state, mode, count)
+
+
+def within_turns(runner: Any, states: Floats) -> Floats:
+    """States as the images of a runner are, with their angles within one turn, (..., n)."""
+    return runner.fold(states) if isinstance(runner, _FoldedRunner) else states

@@ -15,6 +15,7 @@ from nonsmooth.errors import OptionError
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.whole_turns import whole_turns
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -138,8 +139,10 @@ def _of_sides(straddle: Straddle, found: Edge, points: Floats) -> dict[str, Any]
     for side, one in enumerate(attractors):
         if one is None or not len(points):
             continue
-        away = known.measure.scaled(points)[:, None] - known.measure.scaled(one.points)[None]
-        far = np.linalg.norm(away, axis=2)
+        away = points[:, None] - one.points[None]
+        away -= whole_turns(away, straddle.periods)
+        far = np.linalg.norm(known.measure.scaled(away.reshape(-1, away.shape[2])), axis=1)
+        far = far.reshape(away.shape[:2])
         distances[side] = far.min()
         nearest[side] = one.points[int(far.min(axis=0).argmin())]
     kinds = ["ended early" if one is None else one.kind for one in attractors]

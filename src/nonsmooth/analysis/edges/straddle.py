@@ -21,6 +21,7 @@ from nonsmooth.analysis.basins.attractor_search import (
 )
 from nonsmooth.engine.lanes import ANY, SAME
 from nonsmooth.errors import OptionError
+from nonsmooth.runs.whole_turns import whole_turns
 
 __all__ = ["Advanced", "Pair", "Straddle"]
 
@@ -54,8 +55,9 @@ class Advanced(NamedTuple):
 class Straddle:
     """Brings pairs together, and lets them run."""
 
-    def __init__(self, search: AttractorSearch, points: int) -> None:
+    def __init__(self, search: AttractorSearch, points: int, periods: Floats) -> None:
         self.search, self.points = search, points
+        self.periods = periods  # of states that are angles, (n,)
         self.starts = 0  # that were settled
         self.levels = 0
 
@@ -149,9 +151,10 @@ class Straddle:
         return labels, begins
 
     def advance(self, pair: Pair, count: int) -> Advanced:
-        """Let a pair run, so many iterates."""
+        """Let a pair run, so many iterates; of its images the first one is within one turn."""
         runner = self.search.runner
         states, modes = runner.iterate(runner.start(pair.states, pair.begins), count)
+        states[1] -= whole_turns(states[1] - states[0], self.periods)
         return Advanced(states, modes, self.widths(states))
 
     @staticmethod

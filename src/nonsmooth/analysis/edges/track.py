@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor, inside_circle
 from nonsmooth.analysis.basins.attractor_search import cycle_from
+from nonsmooth.analysis.basins.folded_runner import within_turns
 from nonsmooth.analysis.edges.straddle import Pair, Straddle
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.analysis.statistics.periodicity import primitive_period
@@ -95,7 +96,7 @@ class Follower:
             if width > spans.wide:
                 pair = straddle.bisect(pair, spans.narrow)
                 width = straddle.width(pair)
-            track.add(pair.states[0], mode, width)
+            track.add(within_turns(straddle.search.runner, pair.states[0]), mode, width)
             found = self._orbit()
             if found is not None:
                 return pair, found

@@ -20,6 +20,7 @@ from nonsmooth.analysis.measures.outcomes import ENDED_EARLY, INADMISSIBLE, LEFT
 from nonsmooth.analysis.options import result_attributes
 from nonsmooth.analysis.pictures.columns import Column, follow_numbers
 from nonsmooth.runs.labels import labels_of
+from nonsmooth.runs.whole_turns import periods_of
 from nonsmooth.system.system import System
 
 __all__ = ["Profile", "erosion_dataset"]
@@ -51,6 +52,10 @@ class Profile:
         """States that neither drift nor are in the region."""
         known = {*self.names, *self.system.drift_states}
         return [name for name in self.system.states if name not in known]
+
+    def cells(self, counts: npt.NDArray[np.bool_]) -> Cells:
+        """The cells, of which some count."""
+        return Cells(self.grid.axes, self.scales, counts, periods_of(self.system, self.names))
 
     def numbered(self) -> tuple[list[Integers], npt.NDArray[np.int16]]:
         """Numbers along the profile of the attractors of each value, and the labels in them."""
@@ -118,8 +123,8 @@ def erosion_dataset(
             f"the region leaves out {', '.join(profile.missing)}, so attractors need not lie in it"
             " and have no local integrity"
         )
-    half = Cells(profile.grid.axes, profile.scales, np.ones(profile.grid.shape, bool))
-    attrs = {"parameter": parameter, "half_diagonal": half.half_diagonal, **options}
+    whole = profile.cells(np.ones(profile.grid.shape, bool))
+    attrs = {"parameter": parameter, "half_diagonal": whole.half_diagonal, **options}
     return xr.Dataset(variables, coords, result_attributes(system, status, message, attrs))
 
 
@@ -137,7 +142,7 @@ def _of_attractors(
         )
         found[name] = (("parameter", *dims), whole, said)
     for k, (column, own) in enumerate(zip(profile.columns, numbers, strict=True)):
-        cells = Cells(profile.grid.axes, profile.scales, ~np.isin(labels[k], LEFT_OUT))
+        cells = profile.cells(~np.isin(labels[k], LEFT_OUT))
         together = set(own.tolist()) if profile.together else set()
         measured = integrity_of_labels(
             cells, labels[k].astype(np.int64), own.tolist(), profile.points_of(column), together

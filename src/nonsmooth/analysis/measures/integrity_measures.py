@@ -4,7 +4,8 @@ A label is that of the centre of a cell, so a border lies somewhere between two 
 diagonal of a cell bounds by how much distances may be wrong: outside the basin, a ball of that
 radius which touches the border holds the centre of a cell. So from any point the nearest centre
 outside is farther than the border, by a diagonal at most, wherever what lies outside is at least a
-diagonal wide. The end of the region counts as a border that may be as far off.
+diagonal wide. The end of the region counts as a border that may be as far off. The cells of an
+angle that fill its turn have no end: the last one lies beside the first.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.options import positive_number
+from nonsmooth.runs.whole_turns import folded
 
 __all__ = ["Cells", "Integrity", "integrity_of_labels", "read_axis_scales"]
 
@@ -26,6 +28,7 @@ Integers = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
 
 _NOWHERE = "outside"
+_FILLS = 1.0 - 1e-9  # of a turn: what is missing of it to rounding
 
 
 class Ball(NamedTuple):
@@ -43,6 +46,13 @@ class Cells(NamedTuple):
     axes: tuple[Floats, ...]
     scales: Floats  # (d,)
     counts: Mask  # cells whose outcome is known
+    periods: Floats  # (d,) of states that are angles, zero of the others
+
+    @property
+    def turns(self) -> Floats:
+        """Periods of the angles whose turn the cells fill, zero of other states, (d,)."""
+        low, high = self.edges.T
+        return np.where(high - low >= _FILLS * self.periods, self.periods, 0.0)
 
     @property
     def edges(self) -> Floats:
@@ -64,16 +74,37 @@ class Cells(NamedTuple):
     def to_region(self, points: Floats) -> Floats:
         """Distances of scaled points to the end of the region, negative outside; (K, d) to (K,)."""
         low, high = (self.edges / self.scales[:, None]).T
-        found: Floats = np.minimum(points - low, high - points).min(axis=1)
+        room = np.where(self.turns > 0.0, np.inf, np.minimum(points - low, high - points))
+        found: Floats = room.min(axis=1)
         return found
 
+    def within(self, points: Floats) -> Floats:
+        """Points (K, d) with their angles within one turn from the begin of the region on."""
+        return folded(points, self.edges[:, 0], self.periods)
 
-def beside(chosen: Mask) -> Mask:
-    """Cells that are chosen, or touch one that is."""
-    from scipy.ndimage import binary_dilation
+    def beside(self, chosen: Mask) -> Mask:
+        """Cells that are chosen, or touch one that is."""
+        from scipy.ndimage import binary_dilation
 
-    found: Mask = binary_dilation(chosen, np.ones((3,) * chosen.ndim, bool))
-    return found
+        around = [(1, 1) if turn > 0.0 else (0, 0) for turn in reversed(self.turns)]
+        wider = np.pad(chosen, around, mode="wrap")
+        found: Mask = binary_dilation(wider, np.ones((3,) * chosen.ndim, bool))
+        return found[tuple(slice(a, a + n) for (a, _), n in zip(around, chosen.shape, strict=True))]
+
+    def to_nearest(self, chosen: Mask, points: Floats) -> Floats:
+        """Distances of scaled points from the nearest centre of some cells; (K, d) to (K,)."""
+        from scipy.spatial import KDTree
+
+        low, turns = self.edges[:, 0] / self.scales, self.turns / self.scales
+
+        def placed(places: Floats) -> Floats:
+            along = np.mod(places - low, np.where(turns > 0.0, turns, np.inf))
+            along = np.where(along < turns, along, 0.0)  # a remainder may be a whole turn, rounded
+            return np.where(turns > 0.0, along, places)
+
+        tree = KDTree(placed(self.centres(chosen)), boxsize=turns)
+        found: Floats = tree.query(placed(points))[0]
+        return found
 
 
 def _to_others(cells: Cells, inside: Mask, points: Floats) -> Floats:
@@ -82,14 +113,9 @@ def _to_others(cells: Cells, inside: Mask, points: Floats) -> Floats:
     Of the cells outside only those count that touch another sort: between any other one and a
     point of the basin there is a cell outside that is nearer.
     """
-    from scipy.spatial import KDTree
-
     outside = cells.counts & ~inside
-    border = outside & beside(~outside)
-    if not border.any():
-        return np.full(len(points), np.inf)
-    found: Floats = KDTree(cells.centres(border)).query(points)[0]
-    return found
+    border = outside & cells.beside(~outside)
+    return cells.to_nearest(border, points) if border.any() else np.full(len(points), np.inf)
 
 
 def _radii(cells: Cells, inside: Mask, points: Floats) -> tuple[Floats, Mask]:
@@ -118,6 +144,7 @@ def ball_around(cells: Cells, inside: Mask, points: Floats) -> Ball:
 
     shapes: points (K, d), those of an attractor
     """
+    points = cells.within(points)
     scaled = points / cells.scales
     if not len(points) or cells.to_region(scaled).min() < 0.0:
         return Ball(np.full(len(cells.axes), np.nan), np.nan, np.nan, _NOWHERE)
@@ -151,7 +178,7 @@ def share_of(cells: Cells, inside: Mask) -> tuple[float, float]:
     weights = _sizes(cells)
     total = float(weights[cells.counts].sum())
     outside = cells.counts & ~inside
-    mixed = (inside & beside(outside)) | (outside & beside(inside))
+    mixed = (inside & cells.beside(outside)) | (outside & cells.beside(inside))
     return float(weights[inside].sum()) / total, float(weights[mixed].sum()) / total
 
 

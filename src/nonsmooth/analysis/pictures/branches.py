@@ -17,6 +17,7 @@ from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.packed_datasets import pack_dataset, unpack_dataset
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -190,8 +191,13 @@ class BranchCollector:
         return np.column_stack([branch[name].values for name in self.chosen.system.states])
 
     def _gap(self, state: Floats, points: Floats) -> float:
-        """Distance of a state from the nearest of some points, beside the spread."""
-        return float((np.abs(points - state) / self.scale).max(axis=1).min())
+        """Distance of a state from the nearest of some points, beside the spread.
+
+        Whole turns of angles count as none.
+        """
+        away = points - state
+        away -= whole_turns(away, periods_of_states(self.chosen.system))
+        return float((np.abs(away) / self.scale).max(axis=1).min())
 
 
 def strobes_of(chosen: StroboscopicMap, state: Floats, period: int, tolerance: float) -> Floats:

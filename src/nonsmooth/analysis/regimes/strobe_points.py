@@ -11,6 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.runs.whole_turns import cuts_of, folded, periods_of
 from nonsmooth.system.system import System
 
 __all__ = ["StrobePoints", "strobe_points"]
@@ -61,7 +62,16 @@ def strobe_points(data: Any, variables: Any) -> StrobePoints:
     if data.sizes[dim] == 0:
         raise OptionError(f"data: there are no points over {dim}; give a run that has samples")
     values = np.stack([data[name].values.astype(float) for name in names], axis=1)
-    return StrobePoints(_finite(values, names), tuple(names), dim, data, slow)
+    values = _within_turns(_finite(values, names), names, system)
+    return StrobePoints(values, tuple(names), dim, data, slow)
+
+
+def _within_turns(values: Floats, names: list[str], system: System | None) -> Floats:
+    """Values whose angles lie within one turn, cut open where no points are: what turns repeats."""
+    if system is None:
+        return values
+    periods = periods_of(system, names)
+    return folded(values, cuts_of(values, periods), periods)
 
 
 def _listed(variables: Any) -> list[str]:
