@@ -56,6 +56,19 @@ def test_the_border_of_a_linear_saddle_is_its_stable_line():
     assert np.abs(edge["x"].values).max() < 1e-12 and np.abs(edge["v"].values).max() < 1e-12
 
 
+@pytest.mark.parametrize(
+    "starts", [({"x": -1.7}, {"x": 2.3}), ({"x": -1.9, "v": 0.3}, {"x": 1.5, "v": -0.5})]
+)
+def test_the_distance_says_which_motion_is_nearer_whatever_the_starts(starts):
+    """In the wells, 2 to either side, the same linear motion; v differs as much from both."""
+    edge = ns.edge_state(double_well(), *starts)
+    hill = FORCE / (-1.0 - OMEGA**2 + 2j * ZETA * OMEGA)
+    well = FORCE / (1.0 - OMEGA**2 + 2j * ZETA * OMEGA)
+    along = np.abs(np.array([-2.0, 2.0]) + (well - hill).real)
+    expected = np.hypot(along / along.max(), 1.0)
+    np.testing.assert_allclose(edge["distance"].values, expected, atol=1e-9)  # of the cycles
+
+
 def test_escape_is_an_outcome():
     """Over the hill at x = 2 motions run away to the right without end; beside it is a well."""
     system = ns.System(

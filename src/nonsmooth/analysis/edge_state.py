@@ -112,7 +112,8 @@ def edge_state(
         ``width``, how far it may be away. Over ``side``: the ``start``, ``outcome``, the kind of
         motion to which that side leads, its ``outcome_period``, the ``distance`` of the points from
         it, and its ``nearest`` point. ``crossing``: part of the way from a to b at which the
-        segment crosses the border. Distances are those of states beside their spread. Attributes:
+        segment crosses the border. Widths are those of states beside their spread, the ``distance``
+        beside the largest one along each state, whatever the starts. Attributes:
         ``status``, ``message``, ``levels`` (of bisection) and ``starts_settled``.
 
     Raises

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 __all__ = ["check_state_names", "edge_dataset"]
 
+# least unit of a distance, beside the spread of the states: what is smaller is rounding
+_UNIT = 1e-6
+
 Floats = npt.NDArray[np.float64]
 
 _PARTS = {
@@ -136,13 +139,16 @@ def _of_sides(straddle: Straddle, found: Edge, points: Floats) -> dict[str, Any]
         for label in found.last.labels.tolist()
     ]
     distances, nearest = np.full(2, np.nan), np.full((2, points.shape[1]), np.nan)
-    for side, one in enumerate(attractors):
-        if one is None or not len(points):
-            continue
+    there = {side: one for side, one in enumerate(attractors) if one is not None and len(points)}
+    aways = {}
+    for side, one in there.items():
         away = points[:, None] - one.points[None]
-        away -= whole_turns(away, straddle.periods)
-        far = np.linalg.norm(known.measure.scaled(away.reshape(-1, away.shape[2])), axis=1)
-        far = far.reshape(away.shape[:2])
+        aways[side] = away - whole_turns(away, straddle.periods)
+    columns, unit = known.measure.columns, _UNIT * known.measure.scale
+    for away in aways.values():
+        unit = np.maximum(unit, np.abs(away).max(axis=(0, 1)))
+    for side, one in there.items():
+        far = np.linalg.norm((aways[side] / unit)[..., columns], axis=2)
         distances[side] = far.min()
         nearest[side] = one.points[int(far.min(axis=0).argmin())]
     kinds = ["ended early" if one is None else one.kind for one in attractors]
@@ -152,7 +158,7 @@ def _of_sides(straddle: Straddle, found: Edge, points: Floats) -> dict[str, Any]
         "outcome_period": ("side", np.array(periods), {
             "long_name": "points of that motion, 0 where none repeats"}),
         "distance": ("side", distances, {
-            "long_name": "least distance from that motion, beside the spread"}),
+            "long_name": "least distance from that motion, beside the largest along each state"}),
         "nearest": (("side", "state"), nearest, {
             "long_name": "point of that motion that is nearest"}),
     }  # fmt: skip
