@@ -115,3 +115,30 @@ def test_only_free_states_count():
     assert _eigenvalues(np.full((1, 2, 2), 0.5), np.array([True, True])).size == 2
     (alone,) = _eigenvalues(np.diag([0.25, 3.0])[None], np.array([True, False]))
     assert alone == 0.25
+
+
+def harvester(length, pace, volts):
+    """A mass between two stops that drives a circuit; x, v, u in some units, one motion."""
+    values = {"F": 0.6, "omega": 0.97, "X": length, "W": pace, "U": volts}
+    flow = {
+        "x": "v",
+        "v": "X*W**2*F*cos(omega*W*t) - 0.06*W*v - W**2*x - 0.2*X*W**2*u/U",
+        "u": "0.5*U/X*v - 0.3*W*u",
+    }
+    stops = [ns.Exit(f"X {sign} x", reset={"v": "-0.7*v"}) for sign in "-+"]
+    return ns.System(
+        states=["x", "v", "u"], parameters=values, period="2*pi/(omega*W)",
+        modes={"free": ns.Mode(flow, exits=stops)},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("units", [(1e-5, 3e5, 100.0), (2e-7, 3e6, 1e3), (1e3, 1e-3, 1e-6)])
+def test_multipliers_do_not_depend_on_units(units):
+    """Metres beside volts: no event wipes out a direction that is only small in its unit."""
+    length, _, volts = units
+    starts = {"x": 0.3, "v": 0.1, "u": 0.0}
+    plain = ns.find_orbit(harvester(1.0, 1.0, 1.0), starts, transient=300)
+    start = {"x": 0.3 * length, "v": 0.1 * length * units[1], "u": 0.0 * volts}
+    other = ns.find_orbit(harvester(*units), start, transient=300)
+    assert np.abs(plain["multipliers"].values).min() > 0.1
+    np.testing.assert_allclose(other["multipliers"].values, plain["multipliers"].values, rtol=1e-12)

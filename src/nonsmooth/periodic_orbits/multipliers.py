@@ -158,10 +158,12 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
     if not np.all(np.isfinite(events)):
         unknown = np.full(n - equations.autonomous, np.nan, complex)
         return Floquet(unknown, np.nan, Poles(np.nan, np.nan))
+    units = _units(events @ factors.flow)
+    events, flow = (_in_units(each, units) for each in (events, factors.flow))
     # begin where the fewest states are free, the others being given by them
     first = int(np.argmin(free.sum(axis=1)))
     rank = int(_ranks(events).min(initial=n))
-    products = np.roll(events @ factors.flow, -first, axis=0)
+    products = np.roll(events @ flow, -first, axis=0)
     values = np.zeros(n, complex)
     size = int(free[first].sum())
     values[:size] = _eigenvalues(np.ascontiguousarray(products), free[first])
@@ -173,6 +175,26 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
     poles = _poles(equations, factors.shares, len(values))
     whole = leg_factors(equations, found) if modulo_flow else factors
     return Floquet(values, _log_determinant(equations, whole), poles)
+
+
+def _units(products: Floats) -> Floats:
+    """Powers of two as units of the states, in which no part of the legs' matrices drowns another.
+
+    A frame that turns mixes the states, and rounding of the large ones would be left in the small
+    ones: of metres beside volts, say.
+    """
+    from scipy.linalg import matrix_balance
+
+    sizes = np.abs(products).sum(axis=0)
+    if len(sizes) == 0 or not np.all(np.isfinite(sizes)):
+        return np.ones(len(sizes))
+    _, (units, _) = matrix_balance(sizes, permute=False, separate=True)
+    return np.asarray(units)
+
+
+def _in_units(matrices: Floats, units: Floats) -> Floats:
+    """Matrices (L, n, n) between states in other units, which changes no digit."""
+    return matrices * units / units[:, None]
 
 
 def multipliers_at_touch(equations: OrbitEquations, turn: Turn) -> Floquet:
@@ -256,7 +278,8 @@ def _log_determinant(equations: OrbitEquations, factors: Factors) -> float:
     ends = np.roll(free, -1, axis=0)
     events = np.where(ends[:, :, None], factors.events, 0.0)
     n = free.shape[1]
-    if not free.all() or int(_ranks(events).min(initial=n)) < n:
+    units = _units(events @ factors.flow)
+    if not free.all() or int(_ranks(_in_units(events, units)).min(initial=n)) < n:
         return -np.inf
     return float(
         np.linalg.slogdet(factors.flow)[1].sum() + np.linalg.slogdet(factors.events)[1].sum()
