@@ -42,6 +42,7 @@ _SPLIT = 1e-13  # part of a direction that couples blocks: rounding of orthogona
 _KICK = 1e-9  # change of the flow at an event, beside the flow, below which there is none
 _EARLIER = 1e-9  # part of the shortest leg: the limit is approached like that
 _CARRIED = 1e-3  # part of the rates by which the flow may miss them a turn later
+_MOST_UNIT = 2.0**60  # of a state; farther apart are states that a motion hardly couples
 _RANK = 1e-13  # part of an event's matrix below which a direction is wiped out
 
 
@@ -158,7 +159,7 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
     if not np.all(np.isfinite(events)):
         unknown = np.full(n - equations.autonomous, np.nan, complex)
         return Floquet(unknown, np.nan, Poles(np.nan, np.nan))
-    units = _units(events @ factors.flow)
+    units = _units(factors.flow)
     events, flow = (_in_units(each, units) for each in (events, factors.flow))
     # begin where the fewest states are free, the others being given by them
     first = int(np.argmin(free.sum(axis=1)))
@@ -177,19 +178,19 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
     return Floquet(values, _log_determinant(equations, whole), poles)
 
 
-def _units(products: Floats) -> Floats:
+def _units(flow: Floats) -> Floats:
     """Powers of two as units of the states, in which no part of the legs' matrices drowns another.
 
     A frame that turns mixes the states, and rounding of the large ones would be left in the small
-    ones: of metres beside volts, say.
+    ones: of metres beside volts, say. Events that are passed slowly have large parts in any units.
     """
-    from scipy.linalg import matrix_balance
+    from scipy.linalg.lapack import dgebal
 
-    sizes = np.abs(products).sum(axis=0)
+    sizes = np.abs(flow).sum(axis=0)
     if len(sizes) == 0 or not np.all(np.isfinite(sizes)):
         return np.ones(len(sizes))
-    _, (units, _) = matrix_balance(sizes, permute=False, separate=True)
-    return np.asarray(units)
+    _, _, _, units, _ = dgebal(sizes, scale=1, permute=0)
+    return np.clip(units, 1.0 / _MOST_UNIT, _MOST_UNIT)
 
 
 def _in_units(matrices: Floats, units: Floats) -> Floats:
@@ -278,7 +279,7 @@ def _log_determinant(equations: OrbitEquations, factors: Factors) -> float:
     ends = np.roll(free, -1, axis=0)
     events = np.where(ends[:, :, None], factors.events, 0.0)
     n = free.shape[1]
-    units = _units(events @ factors.flow)
+    units = _units(factors.flow)
     if not free.all() or int(_ranks(_in_units(events, units)).min(initial=n)) < n:
         return -np.inf
     return float(

@@ -140,15 +140,15 @@ def _of_sides(straddle: Straddle, found: Edge, points: Floats) -> dict[str, Any]
     ]
     distances, nearest = np.full(2, np.nan), np.full((2, points.shape[1]), np.nan)
     there = {side: one for side, one in enumerate(attractors) if one is not None and len(points)}
-    aways = {}
+    apart = {}
     for side, one in there.items():
         away = points[:, None] - one.points[None]
-        aways[side] = away - whole_turns(away, straddle.periods)
+        apart[side] = away - whole_turns(away, straddle.periods)
     columns, unit = known.measure.columns, _UNIT * known.measure.scale
-    for away in aways.values():
+    for away in apart.values():
         unit = np.maximum(unit, np.abs(away).max(axis=(0, 1)))
     for side, one in there.items():
-        far = np.linalg.norm((aways[side] / unit)[..., columns], axis=2)
+        far = np.linalg.norm((apart[side] / unit)[..., columns], axis=2)
         distances[side] = far.min()
         nearest[side] = one.points[int(far.min(axis=0).argmin())]
     kinds = ["ended early" if one is None else one.kind for one in attractors]
