@@ -234,3 +234,57 @@ def test_a_cycle_lies_on_a_branch_between_points_that_are_far_from_it() -> None:
     other = np.array([[float(bounce["y"]), float(bounce["v"])]])
     assert "rest" not in bounce["word"].item()
     assert not collector.holds(branches.OrbitPoints(1.58, other))
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.3])
+def test_an_orbit_at_rest_at_the_strobe_is_one_branch(phase) -> None:
+    """A follower that rides its cam is where the cam is, at rest at every strobe of phase 0.
+
+    It rides where the spring holds it down, and every start settles to that.
+    """
+    follower = ns.System(
+        states=["y", "v"],
+        parameters={"w": 2.5, "phase": phase},
+        period="2*pi/w",
+        initial={"y": 2.0},
+        definitions={"s": "(1 - cos(w*t + phase))/2", "sd": "w*sin(w*t + phase)/2"},
+        modes={
+            "air": ns.Mode(
+                {"y": "v", "v": "-4*(y + 0.5) - 0.2*v"},
+                exits=[
+                    ns.Exit("y - s", reset={"v": "sd - 0.3*(v - sd)"}, sticks="rides", name="land")
+                ],
+            )
+        },
+    )
+    t = np.linspace(0.0, 2.0 * np.pi, 400)
+    pressed = 9.0 * np.cos(t) / 2 + 4.0 * ((1 - np.cos(t)) / 2 + 0.5) + 0.1 * 3.0 * np.sin(t)
+    assert pressed.min() > 0.0  # at w = 3, the fastest of the range
+    found = ns.bifurcation_picture(
+        follower, "w", (2.0, 3.0), {"y": (1.1, 2.0), "v": (-1.0, 1.0)}, columns=9, samples=10
+    )
+    assert found.sizes["branch"] == 1
+    assert (found["w"].values.min(), found["w"].values.max()) == (2.0, 3.0)
+
+
+def test_a_ball_on_a_table_has_two_branches() -> None:
+    """One rests on the table in each turn, the other bounces, from A = pi (1 - r)/(1 + r) on."""
+    table = ns.System(
+        states=["y", "v"],
+        period="2*pi",
+        parameters={"A": 0.8, "r": 0.4},
+        definitions={"s": "A*sin(t)", "w": "A*cos(t)"},
+        modes={
+            "flight": ns.Mode(
+                {"y": "v", "v": "-1"},
+                exits=[
+                    ns.Exit("y - s", reset={"v": "-r*v + (1 + r)*w"}, sticks="rides", name="impact")
+                ],
+            )
+        },
+    )
+    found = ns.bifurcation_picture(
+        table, "A", (1.1, 1.5), {"y": (1.6, 2.0), "v": (-1.0, 1.0)}, columns=9, samples=10
+    )
+    least = found["A"].groupby(found["branch_of_point"]).min().values
+    assert np.sort(least) == pytest.approx([1.1, np.pi * 0.6 / 1.4], abs=1e-9)
