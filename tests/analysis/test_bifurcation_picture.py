@@ -10,6 +10,7 @@ from nonsmooth.analysis import bifurcation_picture as module
 from nonsmooth.analysis.pictures import branches
 from nonsmooth.analysis.pictures.chunks import Chunks
 from nonsmooth.plot.pictures import branches_of
+from periodic_orbits.systems import LIFT_OFF, cam_follower
 
 FOLD = 2.0 / (3.0 * np.sqrt(3.0))  # of p = x**3 - x
 REGION = {"x": (-2.0, 2.0)}
@@ -240,28 +241,16 @@ def test_a_cycle_lies_on_a_branch_between_points_that_are_far_from_it() -> None:
 def test_an_orbit_at_rest_at_the_strobe_is_one_branch(phase) -> None:
     """A follower that rides its cam is where the cam is, at rest at every strobe of phase 0.
 
-    It rides where the spring holds it down, and every start settles to that.
+    Below its lift-off every start settles to that.
     """
-    follower = ns.System(
-        states=["y", "v"],
-        parameters={"w": 2.5, "phase": phase},
-        period="2*pi/w",
-        initial={"y": 2.0},
-        definitions={"s": "(1 - cos(w*t + phase))/2", "sd": "w*sin(w*t + phase)/2"},
-        modes={
-            "air": ns.Mode(
-                {"y": "v", "v": "-4*(y + 0.5) - 0.2*v"},
-                exits=[
-                    ns.Exit("y - s", reset={"v": "sd - 0.3*(v - sd)"}, sticks="rides", name="land")
-                ],
-            )
-        },
-    )
-    t = np.linspace(0.0, 2.0 * np.pi, 400)
-    pressed = 9.0 * np.cos(t) / 2 + 4.0 * ((1 - np.cos(t)) / 2 + 0.5) + 0.1 * 3.0 * np.sin(t)
-    assert pressed.min() > 0.0  # at w = 3, the fastest of the range
+    assert LIFT_OFF > 3.0
     found = ns.bifurcation_picture(
-        follower, "w", (2.0, 3.0), {"y": (1.1, 2.0), "v": (-1.0, 1.0)}, columns=9, samples=10
+        cam_follower(phase),
+        "w",
+        (2.0, 3.0),
+        {"y": (1.1, 2.0), "v": (-1.0, 1.0)},
+        columns=9,
+        samples=10,
     )
     assert found.sizes["branch"] == 1
     assert (found["w"].values.min(), found["w"].values.max()) == (2.0, 3.0)
