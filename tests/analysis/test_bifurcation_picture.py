@@ -10,6 +10,7 @@ from nonsmooth.analysis import bifurcation_picture as module
 from nonsmooth.analysis.pictures import branches
 from nonsmooth.analysis.pictures.chunks import Chunks
 from nonsmooth.plot.pictures import branches_of
+from periodic_orbits.systems import LIFT_OFF, cam_follower
 
 FOLD = 2.0 / (3.0 * np.sqrt(3.0))  # of p = x**3 - x
 REGION = {"x": (-2.0, 2.0)}
@@ -234,3 +235,45 @@ def test_a_cycle_lies_on_a_branch_between_points_that_are_far_from_it() -> None:
     other = np.array([[float(bounce["y"]), float(bounce["v"])]])
     assert "rest" not in bounce["word"].item()
     assert not collector.holds(branches.OrbitPoints(1.58, other))
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.3])
+def test_an_orbit_at_rest_at_the_strobe_is_one_branch(phase) -> None:
+    """A follower that rides its cam is where the cam is, at rest at every strobe of phase 0.
+
+    Below its lift-off every start settles to that.
+    """
+    assert LIFT_OFF > 3.0
+    found = ns.bifurcation_picture(
+        cam_follower(phase),
+        "w",
+        (2.0, 3.0),
+        {"y": (1.1, 2.0), "v": (-1.0, 1.0)},
+        columns=9,
+        samples=10,
+    )
+    assert found.sizes["branch"] == 1
+    assert (found["w"].values.min(), found["w"].values.max()) == (2.0, 3.0)
+
+
+def test_a_ball_on_a_table_has_two_branches() -> None:
+    """One rests on the table in each turn, the other bounces, from A = pi (1 - r)/(1 + r) on."""
+    table = ns.System(
+        states=["y", "v"],
+        period="2*pi",
+        parameters={"A": 0.8, "r": 0.4},
+        definitions={"s": "A*sin(t)", "w": "A*cos(t)"},
+        modes={
+            "flight": ns.Mode(
+                {"y": "v", "v": "-1"},
+                exits=[
+                    ns.Exit("y - s", reset={"v": "-r*v + (1 + r)*w"}, sticks="rides", name="impact")
+                ],
+            )
+        },
+    )
+    found = ns.bifurcation_picture(
+        table, "A", (1.1, 1.5), {"y": (1.6, 2.0), "v": (-1.0, 1.0)}, columns=9, samples=10
+    )
+    least = found["A"].groupby(found["branch_of_point"]).min().values
+    assert np.sort(least) == pytest.approx([1.1, np.pi * 0.6 / 1.4], abs=1e-9)

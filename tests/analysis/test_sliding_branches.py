@@ -6,6 +6,7 @@ from mpmath import mp, mpf
 
 import nonsmooth as ns
 from periodic_orbits.references import belt as reference
+from periodic_orbits.systems import LIFT_OFF, cam_follower
 
 SAME = dict(rel=0.0, abs=1e-10)  # located to rounding over the rates of the tests
 
@@ -218,3 +219,16 @@ def test_three_changes_that_follow_a_graze_at_once_come_in_their_order():
         run = ns.simulate(beam, near, periods=2, parameters=parameters)
         start = [float(near[name]) for name in beam.states]
         assert np.abs(run["end_state"].values - start).max() < 1e-8
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.3])
+@pytest.mark.parametrize("low", [2.5, 3.0])
+def test_a_follower_lifts_off_its_cam(phase, low):
+    """At phase 0 both are at rest at the strobe, and all states of the branch vanish there."""
+    branch = ns.continue_orbit(cam_follower(phase), "w", (low, 4.5), transient=50)
+    assert branch.attrs["end_last"] == "bound"
+    grazes = branch["special_value"].values[branch["special_kind"].values == "grazing"]
+    assert grazes[0] == pytest.approx(LIFT_OFF, abs=1e-9)
+    for speed, word in zip(branch["w"].values, branch["word"].values.tolist(), strict=True):
+        if abs(speed - LIFT_OFF) > 1e-6:
+            assert ("air" in word) == (speed > LIFT_OFF)

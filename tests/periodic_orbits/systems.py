@@ -176,3 +176,27 @@ def assert_state(orbit, expected, tolerance: float = 1e-10) -> None:
             float(orbit[name]),
             value,
         )
+
+
+# the speed at which the pressure of a follower on its cam comes to zero once in a turn: it is
+# 4 + (w**2 - 4)/2 cos(w t) + 0.1 w sin(w t), so 16 = (w**2 - 4)**2 / 4 + 0.01 w**2
+LIFT_OFF = float(np.sqrt(3.98 + np.sqrt(3.98**2 + 48.0)))
+
+
+def cam_follower(phase: float = 0.0) -> ns.System:
+    """A follower that a spring holds on a cam; the cam is at rest at its lowest at -phase / w."""
+    return ns.System(
+        states=["y", "v"],
+        parameters={"w": 3.0, "phase": phase},
+        period="2*pi/w",
+        initial={"y": 2.0},
+        definitions={"s": "(1 - cos(w*t + phase))/2", "sd": "w*sin(w*t + phase)/2"},
+        modes={
+            "air": ns.Mode(
+                {"y": "v", "v": "-4*(y + 0.5) - 0.2*v"},
+                exits=[
+                    ns.Exit("y - s", reset={"v": "sd - 0.3*(v - sd)"}, sticks="rides", name="land")
+                ],
+            )
+        },
+    )

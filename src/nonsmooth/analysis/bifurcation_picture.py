@@ -36,6 +36,8 @@ __all__ = ["bifurcation_picture"]
 
 _CELLS = 32  # across the spread of each state, which the points of a record fill
 _ITERATES = 10  # records after which a start that has come to nothing is unsettled
+_ALONG = 15  # times between two strobes, at which motions are looked at for the sizes of states
+_CONSTANT = 1e-6  # of its size: the spread of a state that only rounding changes
 _EXPONENT_STEPS = 250  # of four iterates each: enough to tell chaos, at each of many values
 _SAMPLES, _GUESSES, _RECORD = 20, 40, 200  # of the search for unstable orbits
 
@@ -145,10 +147,11 @@ def bifurcation_picture(
 
     Every stable cycle up to the longest period, and every orbit that `orbits` finds at the values
     of the searches, begins a branch, unless the orbit of a known branch at the same value agrees
-    with it to 1e-6 of the spread of the states. Branches that leave others at flips, at points
-    where a symmetry breaks and at crossings are followed too. So a branch that ends at a corner
-    goes on with the motion that settles beyond, as a branch of its own. A branch of unstable orbits
-    that neither crosses a value of the searches nor leaves another branch is missed.
+    with it to 1e-6 of the spread of the states along the motions. Branches that leave others at
+    flips, at points where a symmetry breaks and at crossings are followed too. So a branch that
+    ends at a corner goes on with the motion that settles beyond, as a branch of its own. A branch
+    of unstable orbits that neither crosses a value of the searches nor leaves another branch is
+    missed.
 
     References
     ----------
@@ -227,8 +230,9 @@ def bifurcation_picture(
                 progress.update, chunks,
             )  # fmt: skip
         collector = BranchCollector(
-            chosen, parameter, (low, high), longest, _scale(base, found), steps, tolerance, chunks
-        )
+            chosen, parameter, (low, high), longest, _scale(maps, found, tolerance), steps,
+            tolerance, chunks,
+        )  # fmt: skip
         if complete:
             anchors = np.linspace(low, high, n_searches + 2)[1:-1]
             try:
@@ -254,15 +258,27 @@ def _at(chosen: StroboscopicMap, parameter: str, value: float) -> StroboscopicMa
         raise OptionError(f"between: the system refuses {parameter} = {value:g}: {fault}") from None
 
 
-def _scale(system: System, columns: Sequence[Column]) -> Any:
-    """Spread of each state over all attractors; infinite for states that drift."""
-    every = [each.points for column in columns for each in column.attractors]
-    drifting = drift_mask(system)
-    if not every:
+def _scale(
+    maps: Sequence[tuple[float, StroboscopicMap]], columns: Sequence[Column], tolerance: float
+) -> Any:
+    """Spread of each state along motions on the attractors; infinite for states that drift.
+
+    On the way between strobes too: at the strobe itself a machine may be at rest at all values.
+    """
+    drifting = drift_mask(maps[0][1].system)
+    every = [np.zeros((0, drifting.size))]
+    for (_, there), column in zip(maps, columns, strict=False):  # those that are done
+        if column.attractors:
+            every += [each.points for each in column.attractors]
+            last = np.array([each.points[-1] for each in column.attractors])
+            moving = there.runner(tolerance).along(last, _ALONG).reshape(-1, drifting.size)
+            every.append(moving[np.isfinite(moving).all(axis=1)])
+    states = np.concatenate(every)
+    if not len(states):
         return np.where(drifting, np.inf, 1.0)
-    spread = np.ptp(np.concatenate(every), axis=0)
+    spread, size = np.ptp(states, axis=0), np.abs(states).max(axis=0)
     least = 1e-9 * float(np.max(spread[~drifting], initial=0.0)) or 1.0
-    return np.where(drifting, np.inf, np.maximum(spread, least))
+    return np.where(drifting, np.inf, np.maximum(np.maximum(spread, _CONSTANT * size), least))
 
 
 def _cycles(columns: Sequence[Column], longest: int) -> Iterator[OrbitPoints]:

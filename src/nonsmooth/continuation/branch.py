@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from nonsmooth.continuation.corrector import Corrector, Node, effort, next_step
 from nonsmooth.continuation.observer import CurveSegment, Mark, Observer
 from nonsmooth.continuation.options import Options
-from nonsmooth.continuation.point import Jump, PastBound, Point, Refused
+from nonsmooth.continuation.point import Array, Jump, PastBound, Point, Refused
 
 __all__ = ["Branch"]
 
@@ -210,6 +210,7 @@ class Branch(Iterator[Point]):
         self._corrector, self._options = corrector, options
         self._observer = Observer(corrector, options)
         self._last_arclength = 0.0
+        self._origin = first
         self._points = self._run(first)
 
     @property
@@ -233,6 +234,25 @@ class Branch(Iterator[Point]):
         if not self.ended:
             self.ended, self.message = "stopped", message
 
+    def begun_at(self, u: Array, p: float, direction: tuple[Array, float]) -> None:
+        """Let the branch be the rest of a curve that began elsewhere, where it closes.
+
+        Parameters
+        ----------
+        u : array
+            Unknowns where the curve began.
+        p : float
+            The parameter there.
+        direction : tuple of array and float
+            In which the curve left.
+        """
+        ahead = self._corrector.scaled(*direction)
+        try:
+            origin = self._corrector.across(u, p, ahead / math.sqrt(float(ahead @ ahead)))
+        except Refused:  # it cannot be told from there, so the branch closes at its own start
+            return
+        self._origin = origin.turned(ahead)
+
     def _run(self, first: Node) -> Iterator[Point]:
         options, node, step = self._options, first, self._options.step
         outward = _leaves(first, options.bounds)
@@ -241,7 +261,7 @@ class Branch(Iterator[Point]):
             return self._end("bound", first)
         for _ in range(options.steps):
             try:
-                done = self._advance(node, first, step)
+                done = self._advance(node, self._origin, step)
             except Refused as refusal:
                 return self._end(refusal.ending, node, str(refusal))
             for mark in done.marks:

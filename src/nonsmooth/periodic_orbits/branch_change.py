@@ -20,7 +20,7 @@ from nonsmooth.periodic_orbits.branch_start import (
     nearest_behind,
     tangent_at,
 )
-from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, what_of
+from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, largest_along, what_of
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess, driven_guess
 from nonsmooth.periodic_orbits.in_words import in_words
@@ -308,7 +308,7 @@ def _by_motion_beyond(
     name = _what_happens(looked, point)
     for change in _changes_beyond(stretch, looked, replace(point, special=name)):
         start = begin_change(stretch, change, point)
-        if start is None or not _is_near(start, looked):
+        if start is None or not _is_near(stretch, start, looked):
             continue
         if name == "motion" and _differs_in_rebounds(stretch, start.equations.word):
             start.kind = "section"  # nothing happens but that another number is followed
@@ -432,27 +432,30 @@ def _joins(stretch: BranchStretch, start: BranchStart, looked: Looked, value: fl
     At the root of the distance at least, as it does behind a graze; another orbit stays apart.
     """
     equations = start.equations
-    here = _apart(equations.unpack(start.unknowns), equations, looked)
+    here = _apart(stretch, equations, start.unknowns, looked)
     stretch.set_parameter(value + _CLOSER * (start.value - value))
     solution = solve_orbit(equations, start.unknowns)
     stretch.set_parameter(start.value)
     if solution.status != "completed":
         return False
-    closer = _apart(equations.unpack(solution.unknowns), equations, looked)
+    closer = _apart(stretch, equations, solution.unknowns, looked)
     return here <= _FAR and closer <= max(2.0 * np.sqrt(_CLOSER) * here, _SAME)
 
 
-def _is_near(start: BranchStart, looked: Looked) -> bool:
+def _is_near(stretch: BranchStretch, start: BranchStart, looked: Looked) -> bool:
     """Whether an orbit of another word begins where this one is, and not somewhere else."""
-    return _apart(start.equations.unpack(start.unknowns), start.equations, looked) <= _NEARBY
+    return _apart(stretch, start.equations, start.unknowns, looked) <= _NEARBY
 
 
-def _apart(turn: Turn, equations: OrbitEquations, looked: Looked) -> float:
-    """Distance between two orbits where they begin, beside the size of the second one."""
-    first, drifting = looked.turn.states[0], equations.drifting
-    size = np.abs(looked.turn.states - np.where(drifting, first, 0.0)).max()
-    apart = np.where(drifting, 0.0, np.abs(turn.states[0] - first)).max()
-    return float(apart / max(float(size), 1e-300))
+def _apart(stretch: BranchStretch, equations: OrbitEquations, u: Floats, looked: Looked) -> float:
+    """Distance between two orbits where they begin, beside the size of the second one.
+
+    That is its size between its events too: it may be at rest where it begins.
+    """
+    drifting = equations.drifting
+    size = largest_along(stretch.equations, looked.turn).max()
+    apart = np.where(drifting, 0.0, np.abs(equations.unpack(u).states[0] - looked.turn.states[0]))
+    return float(apart.max() / max(float(size), 1e-300))
 
 
 def _changes_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Iterator[Change]:

@@ -70,13 +70,15 @@ class _StretchWalk:
     """Walks along a stretch; behind it, ``following`` or ``ended`` says how the branch goes on.
 
     ``begin`` is the arclength so far, 0 for the first stretch; ``first`` the spread of each state
-    of the first orbit; neither is set where the steps are used up.
+    of the first orbit; ``home`` is where the branch began. Neither is set where the steps are
+    used up.
     """
 
     def __init__(
-        self, stretch: BranchStretch, start: BranchStart, begin: float, first: Floats
-    ) -> None:
-        self.stretch, self.start = stretch, start
+        self, stretch: BranchStretch, start: BranchStart, begin: float, first: Floats,
+        home: BranchStart,
+    ) -> None:  # fmt: skip
+        self.stretch, self.start, self.home = stretch, start, home
         self.begin, self.along, self.first = begin, begin, first
         self.done = 0
         self.check = StepCheck(stretch, start, behind_change=begin > 0.0)
@@ -93,7 +95,7 @@ class _StretchWalk:
         """Points that count, in order."""
         name = self.stretch.options.parameter
         try:
-            branch = self.stretch.branch(self.start, steps, self.check)
+            branch = self.stretch.branch(self.start, steps, self.check, self.home)
         except RunError as fault:
             if self.begin == 0.0:  # the first orbit of all
                 raise
@@ -465,7 +467,7 @@ def _follow(
     options: BranchOptions, legs: Legs, start: BranchStart, report: Callable[[int], None]
 ) -> Iterator[BranchPart | Followed]:
     """The same; an event that passes the section is a point of its own."""
-    done, along, trail = 0, 0.0, Trail()
+    done, along, trail, home = 0, 0.0, Trail(), start
     unexplained: list[float] = []
     begun: list[BranchStart] = []  # stretches behind changes of the word
     # the last change of the word with its stretch, until a motion is found behind it
@@ -479,7 +481,7 @@ def _follow(
             start = _on_new_plane(options, legs, start)
         trail.begin()
         stretch = BranchStretch(options, legs, start.equations, start.grows, least, trail)
-        walk = _StretchWalk(stretch, start, along, spread)
+        walk = _StretchWalk(stretch, start, along, spread, home)
         for part in walk.points(options.steps - done, partial(_report, report, done)):
             if change is not None:
                 yield change[0]

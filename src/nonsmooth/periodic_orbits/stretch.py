@@ -135,18 +135,30 @@ class BranchStretch:
         return scale
 
     def branch(
-        self, start: BranchStart, steps: int, accept: Callable[[Sequence[Point]], bool]
-    ) -> Branch:
-        """The branch from a start, of steps that are accepted."""
+        self, start: BranchStart, steps: int, accept: Callable[[Sequence[Point]], bool],
+        home: BranchStart,
+    ) -> Branch:  # fmt: skip
+        """The branch from a start, of steps that are accepted.
+
+        It is closed where it comes to ``home``, at which its first stretch began.
+        """
         low, high = self.options.bounds
         self.set_parameter(start.value)
         self.scale = self._scale_of(start.unknowns)
-        return follow(
+        branch = follow(
             self.residual, start.unknowns, start.value, direction=start.direction,
             step=self.options.step, smallest_step=self.options.smallest_step,
             largest_step=self.options.largest_step, bounds=self.options.bounds, steps=steps,
             tests=self.asked, scale=self.scale, parameter_scale=high - low, accept=accept,
         )  # fmt: skip
+        # cycles without events may begin on another plane, where home has other unknowns
+        if (
+            home is not start
+            and home.equations.word == self.equations.word
+            and not self.equations.is_smooth_cycle
+        ):
+            branch.begun_at(home.unknowns, home.value, home.direction)
+        return branch
 
 
 def scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:

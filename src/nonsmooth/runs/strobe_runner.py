@@ -104,6 +104,22 @@ class StrobeRunner:
         lanes.done += count
         return states[:, 0], modes[:, 0]
 
+    def along(self, states: Floats, count: int) -> Floats:
+        """States of motions at some times, spread evenly over the first application of the map.
+
+        nan where a motion has ended, or no mode takes its start; states (L, n)
+
+        returns: (L, count, n)
+        """
+        window, (begin, end) = self._runner.window, self._instants(0, 2)
+        length = (end.number - begin.number) * window + end.phase - begin.phase
+        times = begin.phase + length * np.arange(1, count + 1) / (count + 1)
+        numbers = np.floor(times / window).astype(np.int64)
+        phases, numbers = times - numbers * window, numbers + begin.number
+        lanes = self._runner.start(states, begin)
+        last = Instant(int(numbers[-1]), float(phases[-1]))
+        return self._runner.run(lanes, last, numbers, phases)[0]
+
     def admits(self, states: Floats) -> npt.NDArray[np.bool_]:
         """Which states are starts that a mode takes; states (L, n)."""
         lanes = self.start(states)
