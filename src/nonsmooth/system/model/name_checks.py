@@ -58,7 +58,8 @@ def modes_of(equations: Any, modes: Mapping[str, Mode]) -> Mapping[str, Mode]:
     if modes and modes != one:
         raise ModelError(
             "equations: they are one mode, and modes= are given as well; write them as one of the"
-            " modes, or leave modes= out"
+            " modes, or leave modes= out; dataclasses.replace hands on the modes of the system, so"
+            " give it equations= with modes={}"
         )
     return one
 
