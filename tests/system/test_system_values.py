@@ -214,9 +214,9 @@ def test_a_model_called_again_shares_its_structure():
 
 
 def test_other_equations_of_a_system_of_one_mode():
-    """The cure of the message is a replacement that is taken."""
     falls = System(states=["x"], equations={"x": "-x"}, parameters={"k": 2.0})
-    with pytest.raises(ModelError, match=r"give it equations= with modes=\{\}"):
-        dataclasses.replace(falls, equations={"x": "-k*x"})
-    faster = dataclasses.replace(falls, equations={"x": "-k*x"}, modes={})
-    assert faster.modes["flow"].flow["x"] == "-k*x"
+    faster = dataclasses.replace(falls, equations={"x": "-k*x"})
+    assert faster.modes["flow"].flow["x"] == faster.equations["x"] == "-k*x"
+    assert faster == System(states=["x"], equations={"x": "-k*x"}, parameters={"k": 2.0})
+    with pytest.raises(ModelError, match="leave modes= out"):
+        dataclasses.replace(falls, equations={"x": "-k*x"}, modes={"m": Mode({"x": "1"})})
