@@ -28,15 +28,13 @@ from nonsmooth.runs.section_search import (
     NamedEvents,
     Pick,
     SectionPoints,
-    Stillness,
     behind_start,
     joined_points,
     length_of_next,
-    looks_along,
     some_points,
-    terms_of_rates,
 )
 from nonsmooth.runs.start import Start
+from nonsmooth.runs.stillness import Stillness, looks_along, terms_of_rates
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.words import word_of_modes
 

@@ -70,7 +70,7 @@ def _handed_on(modes: Mapping[str, Mode]) -> bool:
     """
     if not isinstance(modes, FrozenDict) or set(modes) != {ONE_MODE}:
         return False
-    return modes[ONE_MODE] == Mode(modes[ONE_MODE].flow)
+    return bool(modes[ONE_MODE] == Mode(modes[ONE_MODE].flow))
 
 
 def check_words(system: SystemData) -> None:
