@@ -1,5 +1,7 @@
 """`find_orbit`: what it finds, what it says where there is nothing, what it refuses."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 import nonsmooth as ns
+from nonsmooth import Exit, Mode, OptionError, System
 from periodic_orbits.kinds import KINDS, relay
 
 MOLE = ns.models.moling()
@@ -213,3 +216,48 @@ def test_a_counter_that_grows_closes_no_turn():
     drifting = ns.find_orbit(worn(renewed=False, drift=["n"]))
     assert drifting.attrs["status"] == "completed"
     assert float(drifting["n_per_period"]) == pytest.approx(1.0, abs=1e-12)
+
+
+def thermostat(amplitude: float) -> System:
+    """Heats below 18 and cools above 22, while the air outside swings without a declared period."""
+    heat, cool = (f"({level} + A*cos(om*t) - T)/5" for level in (30, 10))
+    modes = {
+        "heat": Mode({"T": heat}, exits=[Exit("22 - T", to="cool")]),
+        "cool": Mode({"T": cool}, exits=[Exit("T - 18", to="heat")]),
+    }
+    values = {"A": amplitude, "om": 0.3}
+    return System(states=["T"], parameters=values, modes=modes, initial={"T": 20.0})
+
+
+def test_forcing_of_zero_amplitude_is_told():
+    """Without it the cycle lasts 5 ln(12/8) + 5 ln(12/8)."""
+    with pytest.raises(OptionError, match="while A = 0: the forcing has zero amplitude"):
+        ns.find_orbit(thermostat(0.0))
+    with pytest.raises(OptionError, match="something drives it, and no period is declared"):
+        ns.find_orbit(thermostat(1.0))
+    text = thermostat(0.0).to_toml().replace(" + A*cos(om*t)", "")  # what the message says to do
+    orbit = ns.find_orbit(System.from_toml(text))
+    assert orbit["length"].item() == pytest.approx(10.0 * np.log(12.0 / 8.0), rel=1e-10)
+
+
+def test_an_orbit_of_other_parameters_is_named():
+    """A follower rides its cam at w = 3, and at w = 4.2 leaves it: y'' < -k(y + d) - 2 z y'."""
+    cam = System(
+        states=["y", "v"], period="2*pi/w",
+        parameters={"h": 1.0, "w": 4.2, "k": 4.0, "d": 0.5, "z": 0.1, "r": 0.3},
+        definitions={"s": "h*(1 - cos(w*t))/2", "sd": "h*w*sin(w*t)/2"},
+        modes={
+            "air": Mode(
+                {"y": "v", "v": "-k*(y + d) - 2*z*v"},
+                exits=[Exit("y - s", reset={"v": "sd - r*(v - sd)"}, sticks="rides", name="land")],
+            )
+        },
+    )  # fmt: skip
+    orbit = ns.find_orbit(cam, parameters={"w": 3.0})
+    assert orbit.attrs["status"] == "completed"
+    said = "belongs to parameters={'w': 3.0}, and the system has w = 4.2"
+    found = ns.find_orbit(cam, orbit)
+    assert found.attrs["status"] == "inadmissible" and said in found.attrs["message"]
+    with pytest.raises(OptionError, match=re.escape(said)):
+        ns.continue_orbit(cam, "w", (1.5, 9.0), initial=orbit)
+    assert ns.find_orbit(cam, orbit, parameters={"w": 3.0}).attrs["status"] == "completed"

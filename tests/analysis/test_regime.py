@@ -651,3 +651,38 @@ def test_a_slow_decay_beside_a_stop_is_no_torus(omega):
     assert str(late["regime"].values) == "periodic"
     product = float(late["multiplier_modulus"].prod())
     assert product == pytest.approx(np.exp(-damping * 2.0 * np.pi / omega), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("equations", "period", "grows"),
+    [
+        ({"x": "1 + 0.3*cos(2*pi*t)"}, "1", "x"),  # x = t at strobes
+        ({"x": "v", "v": "cos(t) - x"}, "2*pi", "v"),  # v = sin(t)/2 + t/2 cos(t), x = t/2 sin(t)
+        ({"x": "v", "v": "cos(t) - x"}, "4*pi", "v"),
+    ],
+)
+def test_what_grows_for_ever_is_said_to_grow(equations, period, grows):
+    """Closed forms: the state at strobes grows by the same amount in each period."""
+    found = ns.regime(ns.System(states=list(equations), equations=equations, period=period))
+    assert found["regime"].item() == "unsettled"
+    message = found.attrs["message"]
+    assert f"and {grows} grows from window to window, without bound so far" in message
+    assert f"{grows} moves on by the same amount each period: drift= declares it" in message
+    assert "settles" not in message and "longest" not in message
+
+
+def test_what_grows_by_larger_and_larger_steps():
+    """x = exp(1e-4 t) at strobes; no drift."""
+    flow = {"x": "1e-4*x*(1 + cos(2*pi*t))"}
+    found = ns.regime(ns.System(states=["x"], equations=flow, period="1", initial={"x": 1.0}))
+    message = found.attrs["message"]
+    assert "x grows from window to window, without bound so far" in message
+    assert "drift=" not in message
+
+
+def test_what_settles_slowly_is_not_said_to_grow():
+    """x = 1 - exp(-2e-4 t) at strobes but for the forcing: its steps get smaller."""
+    flow = {"x": "2e-4*(1 - x) + cos(2*pi*t)"}
+    found = ns.regime(ns.System(states=["x"], equations=flow, period="1"), longest=4000)
+    assert found["regime"].item() == "unsettled"
+    assert "grows from window" not in found.attrs["message"]

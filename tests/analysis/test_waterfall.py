@@ -118,7 +118,8 @@ def test_a_transient_is_told():
     assert early["motion_period"].values.tolist() == [0, 1]
     assert early.attrs["message"] == (
         "completed; 1 of 2 motions have not settled to a period of at most 12 within 44 periods:"
-        " chaos, a longer period or a long transient, which a larger transient= or regime tells"
+        " chaos, quasi-periodic motion, a longer period or a long transient, which a larger"
+        " transient= or regime tells"
     )
     late = ns.waterfall(*calls, transient=1200, **options)
     assert float(late["amplitude"][0].sel(harmonic=1 / 1.7, method="nearest")) < 1e-8

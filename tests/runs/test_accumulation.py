@@ -1,5 +1,7 @@
 """Impacts that accumulate: the run ends there, says so, and nothing has gone through the floor."""
 
+import re
+
 import numpy as np
 import pytest
 from mpmath import mp
@@ -147,3 +149,56 @@ def test_a_reset_without_its_sign_is_told():
     assert "is a sign missing" in run.attrs["message"]
     run = ns.simulate(system("-0.5*v"), {"x": 0.0, "v": 2.0}, t_end=10.0)
     assert run.attrs["message"] == "completed"
+
+
+def block(*more: Exit) -> System:
+    """A rocking block, which hands over from corner to corner."""
+    right = Exit("q", to="left", reset={"w": "0.9*w"})
+    left = Exit("-q", to="right", reset={"w": "0.9*w"})
+    modes = {
+        "right": Mode({"q": "w", "w": "-4*sin(0.2 - q)"}, exits=[*more, right]),
+        "left": Mode({"q": "w", "w": "4*sin(0.2 + q)"}, exits=[*more, left]),
+        "rest": Mode({"q": "0", "w": "0"}),
+    }
+    return System(states=["q", "w"], initial={"q": 0.05}, modes=modes)
+
+
+@pytest.mark.filterwarnings("ignore::nonsmooth.RunWarning")
+def test_impacts_that_hand_over_get_a_cure_that_applies():
+    """The cure of the message, taken by its words, lets the block rest."""
+    message = ns.simulate(block(), t_end=20.0).attrs["message"]
+    assert message.startswith("event_limit") and "hand over from mode to mode" in message
+    cure = re.search(r"Exit\('(.*?)', to='rest'\)", message)
+    assert cure is not None
+    guard = cure.group(1).replace("x", "q").replace("v", "w")
+    run = ns.simulate(block(Exit(guard, to="rest")), t_end=20.0)
+    assert run.attrs["status"] == "completed" and run["event_to"].values[-1] == 2
+    assert np.hypot(*run["end_state"].values) <= 1.0001e-4
+
+
+@pytest.mark.filterwarnings("ignore::nonsmooth.RunWarning")
+def test_switches_that_wind_themselves_onto_a_point_of_one_surface():
+    """A fused focus: x = -+a at y = 0 lasts a turn of 4a or so, and shrinks by a part of a in it.
+
+    So turns are without end in any finite number, and nothing has come to rest.
+    """
+    focus = System(
+        states=["x", "y"], equations={"x": "-1 + 2*heaviside(-y) - 0.3*x", "y": "x"},
+        initial={"x": 1.0, "y": 0.5},
+    )  # fmt: skip
+    run = ns.simulate(focus, t_end=500.0)
+    assert run.attrs["status"] == "event_limit"
+    assert abs(run["end_state"].values[0]) > 1e-4  # it still moves
+    message = run.attrs["message"]
+    assert "switches of one surface follow each other ever faster" in message
+    assert "impacts" not in message and "two surfaces" not in message
+    earlier = ns.simulate(focus, t_end=0.5 * float(run["time"][-1]))  # the cure
+    assert earlier.attrs["status"] == "completed"
+    assert ns.regime(focus, period=5.0)["regime"].item() == "event_limit"
+
+
+@pytest.mark.filterwarnings("ignore::nonsmooth.RunWarning")
+def test_switches_of_two_surfaces_are_told_to_meet():
+    focus = System(states=["x", "v"], equations={"x": "v", "v": "-x - 0.1*sign(v + x) - sign(x)"})
+    message = ns.simulate(focus, {"x": 1.0, "v": 0.5}, t_end=50.0).attrs["message"]
+    assert message.startswith("event_limit") and "meeting of two surfaces" in message

@@ -64,3 +64,55 @@ def test_images_of_a_point(section, side):
 def test_points_that_need_their_time():
     with pytest.raises(ns.OptionError, match="it also matters when it comes to section = 'impact'"):
         ns.attractors(ns.PoincareMap(rigid_wall(), "impact"), {"x": (-1, 0), "v": (-1, 1)})
+
+
+def wing(u: float) -> ns.System:
+    """Plunge and pitch of a wing with freeplay d of its pitch, in a wind of speed u."""
+    inverse = np.linalg.inv([[1.0, 0.25], [0.25, 0.6]]).tolist()
+    lift = "(-(0.02 + 0.3*U)*hd - 0.1*U*ad - h - 0.6*U**2*a)"
+    moment = "(0.1*U*hd - (0.02 + 0.2*U)*ad + 0.25*U**2*a - 4*(a - clip(a, -d, d)))"
+    first, second = (f"({row[0]})*{lift} + ({row[1]})*{moment}" for row in inverse)
+    return ns.System(
+        name="wing", states=["h", "a", "hd", "ad"], parameters={"U": u, "d": 0.1},
+        equations={"h": "hd", "a": "ad", "hd": first, "ad": second},
+    )  # fmt: skip
+
+
+def rests_by_scipy(u: float, start: list[float]) -> bool:
+    """Whether a wing rests at last where 4 (a - d) = 0.25 U^2 a, or at the point across."""
+
+    def rates(t, y):
+        h, a, hd, ad = y
+        moment = 0.1 * u * hd - (0.02 + 0.2 * u) * ad + 0.25 * u**2 * a
+        moment -= 4.0 * (a - np.clip(a, -0.1, 0.1))
+        lift = -(0.02 + 0.3 * u) * hd - 0.1 * u * ad - h - 0.6 * u**2 * a
+        return [hd, ad, *np.linalg.solve([[1.0, 0.25], [0.25, 0.6]], [lift, moment])]
+
+    end = solve_ivp(rates, (0.0, 400.0), start, rtol=1e-10, atol=1e-12, method="DOP853").y[:, -1]
+    a = 4.0 * 0.1 / (4.0 - 0.25 * u**2)
+    return bool(np.allclose(np.abs(end), [0.6 * u**2 * a, a, 0.0, 0.0], rtol=0.0, atol=1e-6))
+
+
+@pytest.mark.parametrize("u", [1.3, 1.4, 1.5])
+@pytest.mark.filterwarnings("ignore::nonsmooth.ResultWarning")
+def test_a_rest_on_the_section_crosses_it_by_rounding_alone(u):
+    """Pitch rests where ad = 0. No such motion is one of period one."""
+    section = ns.PoincareMap(wing(u), "ad", direction=-1)
+    pitch, none = np.array([-0.31, 0.13, 0.15, 0.17, 0.35]), {"hd": 0.0, "ad": 0.0}
+    found = ns.basins_of_attraction(
+        section, {"a": pitch, "h": [0.0, 0.02]}, completion=none, samples=20
+    )
+    cycle = found["points"].values[:, 0, 1]
+    assert np.all(np.abs(cycle - 0.4 / (4.0 - 0.25 * u**2)) > 0.01)
+    rests = [[rests_by_scipy(u, [h, a, 0.0, 0.0]) for a in pitch] for h in (0.0, 0.02)]
+    labels = found["label"].transpose("h", "a").values
+    assert np.any(rests) and not np.all(rests)
+    assert (labels < 0).tolist() == rests
+
+
+def test_points_of_a_motion_that_comes_to_rest_on_its_section():
+    """Rounding leads it across for ever; the list of its points ends."""
+    section = ns.PoincareMap(wing(1.4), "ad", direction=-1)
+    with pytest.warns(ns.RunWarning, match="comes to rest on the section"):
+        at = section.iterate({"a": 0.15}, 300)
+    assert at.attrs["status"] == "at_rest" and at.sizes["point"] < 100

@@ -211,3 +211,12 @@ def test_a_model_called_again_shares_its_structure():
     )
     assert one.structure is not other.structure
     assert float(ns.simulate(other, {"x": 1.0}, t_end=0.25)["x"][-1]) == pytest.approx(np.exp(-1))
+
+
+def test_other_equations_of_a_system_of_one_mode():
+    falls = System(states=["x"], equations={"x": "-x"}, parameters={"k": 2.0})
+    faster = dataclasses.replace(falls, equations={"x": "-k*x"})
+    assert faster.modes["flow"].flow["x"] == faster.equations["x"] == "-k*x"
+    assert faster == System(states=["x"], equations={"x": "-k*x"}, parameters={"k": 2.0})
+    with pytest.raises(ModelError, match="leave modes= out"):
+        dataclasses.replace(falls, equations={"x": "-k*x"}, modes={"m": Mode({"x": "1"})})

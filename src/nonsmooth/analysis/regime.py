@@ -176,7 +176,8 @@ def regime(
         helps.
     ``absorbed``
         Impacts accumulate and no exit sticks, or an exit to 'stop' ends the run. However chaotic
-        the motion was before, it has no exponent.
+        the motion was before, it has no exponent. Where no exit has a reset, what accumulates are
+        switches, and the word is ``event_limit``.
     ``diverged`` and other words of `simulate`
         The run ended early in that way.
     ``unsettled``

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-__all__ = ["CURES", "SETUP_ERRORS", "Certificate", "EventKind", "Status"]
+__all__ = [
+    "CURES",
+    "RELAYED_ACCUMULATE",
+    "SETUP_ERRORS",
+    "SWITCHES_ACCUMULATE",
+    "Certificate",
+    "EventKind",
+    "Status",
+]
 
 
 class Status(IntEnum):
@@ -125,6 +133,20 @@ CURES: dict[Status, str] = {
     ),
     Status.INTERRUPTED: "by the user; what was computed is kept",
 }
+
+# what to say of events that accumulate in other ways than impacts of one mode
+SWITCHES_ACCUMULATE = (
+    "switches of one surface follow each other ever faster, more than 100 at one instant or 10000"
+    " in one period: the motion winds itself onto a point of the surface, which may take for ever,"
+    " and no reset is passed. End the run before, by t_end= or an exit to 'stop' near the point;"
+    " with a mode in which the motion rests, or slides, send it there by such an exit"
+)
+RELAYED_ACCUMULATE = (
+    "impacts that hand over from mode to mode accumulate: more than 100 at one instant or 10000"
+    " events in one period. The motion comes to rest on the surface, and sticks= does not stand"
+    " beside to=: give each of these modes one more exit, to a mode of rest or to 'stop', where"
+    " little motion is left, such as Exit('x**2 + v**2 - 1e-8', to='rest')"
+)
 
 SETUP_ERRORS: dict[Status, str] = {
     Status.NOT_FINITE: "a coefficient is not a finite number for these parameters",

@@ -134,8 +134,8 @@ def _diagram(view: View, piece: Piece) -> dict[str, Any]:
         parts.append(f"{piece['n_ended']} motions ended early ({why}); they are left out")
     if piece["unsettled"]:
         parts.append(
-            f"{piece['unsettled']} motions have not settled to a period: chaos, a longer period, or"
-            " a motion that settles slowly"
+            f"{piece['unsettled']} motions have not settled to a period: chaos, quasi-periodic"
+            " motion, a longer period, or a motion that settles slowly"
         )
     title = "\n".join([f"{done} of {count} columns", *parts])
     remark = parts[0] if done == piece["n_ended"] else ""

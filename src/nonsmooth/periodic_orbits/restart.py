@@ -18,7 +18,7 @@ from nonsmooth.system.system import System
 if TYPE_CHECKING:
     from nonsmooth.periodic_orbits.orbit import OrbitRequest, OrbitResult
 
-__all__ = ["guess_of_dataset", "is_orbit", "values_of_orbit", "walk_to"]
+__all__ = ["guess_of_dataset", "is_orbit", "parameters_elsewhere", "values_of_orbit", "walk_to"]
 
 
 _SHORTEST = 2.0**-7  # part of the way that is tried at least
@@ -72,6 +72,20 @@ def values_of_orbit(system: System, data: Any) -> dict[str, float] | None:
         return None
     values = there.parameter_values
     return values if list(values) == list(system.parameters) else None
+
+
+def parameters_elsewhere(system: System, data: Any) -> str:
+    """At which other values of parameters an orbit was found, "" where at those of the system."""
+    there = values_of_orbit(system, data) if is_orbit(data) else None
+    known = system.parameter_values
+    other = {name: value for name, value in (there or {}).items() if value != known[name]}
+    if not other:
+        return ""
+    return (
+        f"the orbit of initial= belongs to parameters={other}, and the system has"
+        f" {', '.join(f'{name} = {known[name]:.9g}' for name in other)}: for the orbit there,"
+        " repeat parameters="
+    )
 
 
 def walk_to(

@@ -26,7 +26,13 @@ from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import Solution, null_vector, solve_orbit
 from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest, OrbitResult, make_orbit
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
-from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit, values_of_orbit, walk_to
+from nonsmooth.periodic_orbits.restart import (
+    guess_of_dataset,
+    is_orbit,
+    parameters_elsewhere,
+    values_of_orbit,
+    walk_to,
+)
 from nonsmooth.periodic_orbits.word_change import changes_of_word
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
@@ -288,9 +294,11 @@ def other_ways(wanted: OrbitRequest) -> str:
     """What to try in place of a solution that is no motion."""
     if wanted.words:
         return "simulate it, or give another word="
+    elsewhere = parameters_elsewhere(wanted.system, wanted.initial)
+    begin = f"{elsewhere}; here a motion" if elsewhere else "a motion there"
     return (
-        f"a motion there need not repeat after period={wanted.period}, and regime says after how"
-        " many periods it does: give that period=, initial= near an orbit of this one, or word="
+        f"{begin} need not repeat after period={wanted.period}, and regime says after how many"
+        " periods it does: give that period=, initial= near an orbit of this one, or word="
     )
 
 

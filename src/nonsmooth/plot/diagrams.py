@@ -75,9 +75,9 @@ def bifurcation(
     More than 20000 points become an image within a PDF, so that the file stays small.
 
     Colours of periods are those of `regime_map` and `basins`: a longer period is darker. A motion
-    for which the diagram found no period may be chaotic, of a longer period or still a transient;
-    it is blue. Where the dataset has a variable ``regime`` over ``parameter`` and ``lane`` with the
-    words of `nonsmooth.regime`, they decide: chaos is black then.
+    for which the diagram found no period may be chaotic, quasi-periodic, of a longer period or
+    still a transient; it is blue. Where the dataset has a variable ``regime`` over ``parameter``
+    and ``lane`` with the words of `nonsmooth.regime`, they decide: chaos is black then.
 
     Examples
     --------

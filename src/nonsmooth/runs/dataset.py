@@ -25,7 +25,14 @@ from nonsmooth.engine.lanes import (
     run,
 )
 from nonsmooth.engine.record import Rows, columns
-from nonsmooth.engine.status import CURES, Certificate, EventKind, Status
+from nonsmooth.engine.status import (
+    CURES,
+    RELAYED_ACCUMULATE,
+    SWITCHES_ACCUMULATE,
+    Certificate,
+    EventKind,
+    Status,
+)
 from nonsmooth.engine.tables import PATH_LENGTH, TAYLOR, Tables, exits_of_path
 from nonsmooth.runs.labels import Columns, Labels, assemble, labels_of, with_doubts
 from nonsmooth.runs.outputs import output_values, sample_clock
@@ -42,6 +49,8 @@ _KINDS = [kind.word for kind in EventKind]
 _NO_TIMES = (np.zeros(0, np.int64), np.zeros(0))
 _RATES, _SCRATCH = no_rates(), no_scratch()
 _TOLERANCE = 1e-12
+_LAST = 100  # events that tell how they accumulate
+_SHORTER = 1e-6  # of their time, by which the later half of them takes less than the earlier one
 _EPSILON = float(np.finfo(float).eps)
 
 
@@ -174,7 +183,8 @@ def _message(labels: Labels, outcome: Outcome) -> str:
         text += ", see certified over event" if flagged else ""
         repeated = repeated_exit(labels, outcome)
         return f"{text}; {repeated}" if repeated else text
-    text = f"{status.word} at t = {outcome.end_time:.9g}: {CURES[status]}"
+    why = _accumulation(labels, outcome) if status == Status.EVENT_LIMIT else ""
+    text = f"{status.word} at t = {outcome.end_time:.9g}: {why or CURES[status]}"
     if status == Status.REFUSED and outcome.history is not None:
         text += f" ({outcome.history.fault})"
     if status in (Status.UNDECIDED, Status.INADMISSIBLE) and len(outcome.events):
@@ -183,6 +193,39 @@ def _message(labels: Labels, outcome: Outcome) -> str:
         passed = labels.path(*(int(last[name]) for name in ("from_mode", "path", "passes")))
         text += f" (exits passed: {passed}, from {before!r} to {after!r})"
     return text
+
+
+def _accumulation(labels: Labels, outcome: Outcome) -> str:
+    """What the last events say of those that accumulate, "" where they are impacts of one mode."""
+    rows = outcome.events[1:][-_LAST:]
+    if not len(rows):
+        return ""
+    ways = [tuple(map(int, way)) for way in columns(rows, "from_mode", "path", "passes")]
+    if not any(_resets(outcome.tables, *way) for way in set(ways)):
+        surfaces = {labels.path(*way) for way in ways}
+        gaps = np.diff(outcome.times(rows["number"], rows["phase"]))
+        early, late = gaps[: gaps.size // 2].sum(), gaps[-(gaps.size // 2) :].sum()
+        shorter = late <= (1.0 - _SHORTER) * early
+        return SWITCHES_ACCUMULATE if len(surfaces) == 1 and shorter else ""
+    # modes as they were declared; rounding and flights lead between cells of one
+    pairs = columns(rows, "from_mode", "to_mode").tolist()
+    relayed = all(_declared(labels, one) != _declared(labels, other) for one, other in pairs)
+    return RELAYED_ACCUMULATE if relayed else ""
+
+
+def _declared(labels: Labels, mode: int) -> str:
+    """Name of the mode to which a cell belongs, as in flow[+-]."""
+    return labels.modes[mode].partition("[")[0]
+
+
+def _resets(tables: Tables, mode: int, path: int, passes: int) -> bool:
+    """Whether one of the exits that are passed at an event has a reset."""
+    exits = tables.wiring.exits
+    for way in exits_of_path(path, passes):
+        if np.any(exits["resetting"][mode, way]):
+            return True
+        mode = int(exits["target"][mode, way])
+    return False
 
 
 def repeated_exit(labels: Labels, outcome: Outcome) -> str:

@@ -59,7 +59,8 @@ def images_of_point(
 ) -> tuple[Floats, Integers, Floats] | None:
     """Images of a point with their modes, and the derivative of the last one by the point.
 
-    None where no mode admits the point, or the motion ends before.
+    None where no mode admits the point, the motion ends before, or it only touches the section, as
+    a motion at rest does: then there is no derivative.
 
     returns: states (count, n), modes (count,), derivative (n, n)
     """
@@ -75,7 +76,10 @@ def images_of_point(
             state, mode = path.point()
             states.append(state)
             modes.append(mode)
-    derivative = path.on_section()[:-1] @ path.entry
+    with np.errstate(invalid="ignore"):  # the time of a point changes without bound at a touch
+        derivative = path.on_section()[:-1] @ path.entry
+    if not np.all(np.isfinite(derivative)):
+        return None
     return np.array(states), np.array(modes), derivative
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -15,6 +16,7 @@ from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.lane_runner import LaneRunner, Lanes
+from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.return_tangent import images_of_point
 from nonsmooth.runs.section_map import SectionMap
 from nonsmooth.runs.section_points import SectionStart, just_before
@@ -32,6 +34,7 @@ from nonsmooth.runs.section_search import (
     some_points,
 )
 from nonsmooth.runs.start import Start
+from nonsmooth.runs.stillness import Stillness, looks_along, terms_of_rates
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.words import word_of_modes
 
@@ -41,8 +44,6 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _NEAR = 1e-4  # part of a window within which a point may be off its section
-_STILL = 2.0**-40  # change of a state, beside its size, that is rounding of a motion at rest
-_AT_REST = 128  # windows of a part in which nothing changes, behind which nothing ever will
 NEVER_CROSSES = Status.TIME_LIMIT  # of a lane that found no point for long, or rests elsewhere
 
 
@@ -55,13 +56,17 @@ class _Way:
     points: SectionPoints
     rows: Rows  # of the event log since the last point that was asked for
     values: Floats
-    size: Floats  # (n,): largest states at some instants
+    still: Stillness
     first_modes: list[int]  # still to be tried at the start, in modes of the engine's system
     length: int = FIRST_PART  # of the next part, in windows
     waited: int = 0  # windows without a point
     n_points: int = 0
     n_events: int = 0
     windows: int = 0
+
+    def copy(self) -> _Way:
+        """The same way, to go on without this one."""
+        return replace(self, first_modes=[*self.first_modes], still=copy(self.still))
 
 
 @dataclass
@@ -75,7 +80,7 @@ class SectionLanes:
     def select(self, chosen: Integers) -> SectionLanes:
         """Copy of some of the lanes, to go on without the others."""
         chosen = np.arange(len(self.ways))[chosen]
-        ways = [replace(self.ways[i], first_modes=[*self.ways[i].first_modes]) for i in chosen]
+        ways = [self.ways[i].copy() for i in chosen]
         return SectionLanes(self.lanes.select(chosen), ways, self.status[chosen])
 
 
@@ -98,6 +103,7 @@ class SectionRunner:
         chosen = self.chosen
         split = chosen.split
         self.reads_time = is_driven(self.engine.tables)
+        self._rates: StateRates | None = None  # made when a motion may rest
         if split is None:
             self.origin = np.arange(len(chosen.system.mode_names))
             self.pick: Pick = NamedEvents(chosen.system, chosen.section)
@@ -131,7 +137,7 @@ class SectionRunner:
         ways = [
             _Way(
                 begin, begin, joined_points([], n), np.zeros(0, dtype_of("EventRow")),
-                np.zeros((0, 2, n)), np.zeros(n), candidates,
+                np.zeros((0, 2, n)), Stillness(n, watched=not self.reads_time), candidates,
             )
             for candidates in wanted
         ]  # fmt: skip
@@ -254,14 +260,11 @@ class SectionRunner:
         ]
         return np.array([one.state for one in moved]), modes, moved[0].instant
 
-    def _stays(self, states: Floats, size: Floats) -> bool:
-        """Whether states that were looked at along a part are one place, up to rounding.
-
-        The parts between looks have ratios that no cycle fits. What time drives may move later.
-
-        shapes: states (K, n), size (n,)
-        """
-        return not self.reads_time and bool(np.all(np.ptp(states, axis=0) <= _STILL * size))
+    def _terms(self, here: Instant, mode: int, state: Floats) -> Floats:
+        """What the terms of the rate of each state add up to in a window."""
+        if self._rates is None:
+            self._rates = StateRates(self.chosen.system, self.engine.tables, self.origin)
+        return terms_of_rates(self._rates, here, mode, state, self.engine.window)
 
     def _candidates(self, mode: int) -> list[int]:
         """Modes of the engine's system to try at a start, in order."""
@@ -275,8 +278,8 @@ class SectionRunner:
         """Run one lane for another part."""
         mode = int(lanes.mode[i])
         window = self.engine.window
-        numbers, phases = _looks(way.here, way.length, window)
-        seen, _, rows, values = self.engine.record(lanes, i, numbers, phases)
+        numbers, phases = looks_along(way.here, way.length, window)
+        seen, modes, rows, values = self.engine.record(lanes, i, numbers, phases)
         if lanes.status[i] == Status.INADMISSIBLE and not len(rows) and way.first_modes:
             lanes.status[i], lanes.mode[i] = Status.COMPLETED, way.first_modes.pop(0)
             return
@@ -284,32 +287,28 @@ class SectionRunner:
             rows, values = rows[1:], values[1:]  # what happens at the start is no crossing
         points, _ = self.pick(rows, values)
         points = behind_start(points, way.begin, window)
+        if modes.size:
+            last = int(modes[-1])
+            looks = np.concatenate([seen, *values.swapaxes(0, 1)])
+            way.still.see(looks, way.length, lambda state: self._terms(way.here, last, state))
+        if way.still.now:
+            points = some_points(points, slice(0))
         points = replace(points, row=points.row + len(way.rows))
         way.points = joined_points([way.points, points], lanes.end_state.shape[1])
         way.rows, way.values = (
             np.concatenate([way.rows, rows]),
             np.concatenate([way.values, values]),
         )
-        way.size = np.maximum(way.size, np.abs(seen).max(axis=0, initial=0.0))
         way.here = Instant(int(numbers[-1]), float(phases[-1]))
         found = points.number.size
         way.waited = 0 if found else way.waited + way.length
-        if not found and way.length >= _AT_REST and self._stays(seen, way.size):
+        if way.still.forever:
             way.waited = PATIENCE
         way.n_points += found
         way.n_events += len(rows)
         way.windows += way.length
         rest = way.n_points + max(0, wanted - way.points.number.size)
         way.length = length_of_next(way.n_points, way.n_events, way.windows, way.length, rest)
-
-
-def _looks(begin: Instant, length: int, window: float) -> tuple[Integers, Floats]:
-    """Some instants of a part, the last of them its end, at which states are looked at."""
-    since = np.array([0.17, 0.43, 0.71, 1.0]) * length
-    numbers = begin.number + np.floor(since).astype(np.int64)
-    phases = begin.phase + (since - np.floor(since)) * window
-    over = phases >= window
-    return numbers + over, np.where(over, phases - window, phases)
 
 
 def _at_start(row: Any, begin: Instant) -> bool:

@@ -17,6 +17,8 @@ from nonsmooth.runs.outputs import SampleClock, output_values
 from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.runner import NoMode, Outcome, run_plan
 from nonsmooth.runs.start import Start
+from nonsmooth.runs.stillness import Stillness, looks_along
+from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.section import Section
 from nonsmooth.system.system import System
 
@@ -278,6 +280,7 @@ class SectionSearch:
     n_uncertain: int = 0
     n_estimated: int = 0
     n_grazes: int = 0
+    n_rounded: int = 0  # crossings of a motion that stays at one place: rounding alone
     gave_up: bool = False
     at_rest: bool = False  # on the section, within rounding
 
@@ -304,6 +307,7 @@ def search(
         found.status, found.instant = outcome.status, outcome.end
         found.n_uncertain = outcome.n_uncertain
         found.n_estimated = outcome.n_estimated
+        still = Stillness(outcome.records.end_state.size, watched=not is_driven(tables))
         waited = windows = n_events = 0
         length = FIRST_PART
         with Progress("section", limits.record) as progress:
@@ -318,7 +322,13 @@ def search(
                     _look_whether_at_rest(found, outcome.records.end_state)
                     break
                 outcome = _next_part(tables, outcome, stop, tolerance)
-                count = _take(found, outcome, limits.record, pick)
+                seen = outcome.records.sample_state[: outcome.n_samples]
+                seen = np.concatenate([seen, *outcome.event_states.swapaxes(0, 1)])
+                still.see(seen, length, np.abs)
+                count = _take(found, outcome, limits.record, pick, still=still.now)
+                if still.forever and found.n_rounded:
+                    _end_at_last_point(found)
+                    break
                 windows += length
                 n_events += outcome.n_events
                 waited = 0 if count else waited + length
@@ -329,10 +339,13 @@ def search(
     return found
 
 
-def _take(found: SectionSearch, outcome: Outcome, record: int, pick: Pick) -> int:
+def _take(found: SectionSearch, outcome: Outcome, record: int, pick: Pick, *, still: bool) -> int:
     """Add the points of a part, and what is doubtful until the last one; returns their number."""
     rows = outcome.events[1:]
     points, grazes = pick(rows, outcome.event_states[1:])
+    if still:
+        found.n_rounded += points.number.size
+        points = some_points(points, slice(0))
     wanted = record - found.n_points
     found.n_estimated += outcome.n_estimated
     found.status, found.instant = outcome.status, outcome.end
@@ -361,8 +374,15 @@ def _look_whether_at_rest(found: SectionSearch, end_state: npt.NDArray[np.float6
     if last is None or last.certified[-1]:
         return
     gone = np.abs(end_state - last.states[1, -1])
-    found.at_rest = bool(np.all(gone <= _STILL * np.maximum(1.0, np.abs(end_state))))
-    if found.at_rest:
+    if np.all(gone <= _STILL * np.maximum(1.0, np.abs(end_state))):
+        _end_at_last_point(found)
+
+
+def _end_at_last_point(found: SectionSearch) -> None:
+    """Say that the motion rests on the section since the last point, if there was one before."""
+    found.at_rest = True
+    last = next((part for part in reversed(found.parts) if part.number.size), None)
+    if last is not None:
         found.instant = Instant(int(last.number[-1]), float(last.phase[-1]))
 
 
@@ -387,7 +407,9 @@ def to_begin(tables: Tables, start: Start, begin: Instant, tolerance: float) -> 
 
 
 def _next_part(tables: Tables, before: Outcome, stop: Instant, tolerance: float) -> Outcome:
-    plan = Plan(stop, *_NO_SAMPLES)
+    numbers, phases = looks_along(before.end, stop.number - before.end.number, tables.window)
+    inside = (numbers < stop.number) | ((numbers == stop.number) & (phases <= stop.phase))
+    plan = Plan(stop, numbers[inside], phases[inside])
     state = before.records.end_state
     return run_plan(tables, plan, tolerance, anchor=before.anchor, state=state, begin=before.end)
 

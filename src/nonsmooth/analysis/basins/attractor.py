@@ -27,7 +27,7 @@ class TangentMap(Protocol):
     ) -> tuple[Floats, Integers, Floats] | None:
         """Images (count, n) with their modes (count,), and the derivative (n, n) of the last one.
 
-        None where the motion ends before.
+        None where the motion ends before, or there is no finite derivative.
         """
 
 

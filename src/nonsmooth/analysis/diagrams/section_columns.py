@@ -115,7 +115,7 @@ def _look_after(
     side = 0 if runner.chosen.side == "before" else 1
     states, modes = protocol.folded(points.states[side]), points.modes[side]
     since = (points.number - points.number[0]) * window + (points.phase - points.phase[0])
-    period = _period(protocol, states, since, lanes.ways[0].size)
+    period = _period(protocol, states, since, lanes.ways[0].still.size)
     count = whole_periods(protocol.record, period)
     first = -1 - count
     events = rows[points.row[first] + 1 : points.row[-1] + 1]

@@ -47,8 +47,8 @@ def said_of_restless(
     """How many motions show no period within ``length`` units, and the option that tells why."""
     return (
         f"{restless} of {motions} motions have not settled to a period of at most"
-        f" {record // REPEATS} within {length} {unit}s: chaos, a longer period or a long"
-        f" transient, which a larger {option}= or regime tells"
+        f" {record // REPEATS} within {length} {unit}s: chaos, quasi-periodic motion, a"
+        f" longer period or a long transient, which a larger {option}= or regime tells"
     )
 
 

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from nonsmooth.analysis.options import SharedOptions
+from nonsmooth.engine.tables import Tables
 from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import is_orbit
 from nonsmooth.periodic_orbits.word import read_word, words_of_names
 from nonsmooth.runs.options import finite_number, whole_number
+from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import refuse_other_parameters
@@ -21,6 +25,7 @@ __all__ = ["period_of", "read_wanted", "said_of_options", "system_of_one"]
 
 _TRANSIENT = 200
 _MOST_PERIODS = 1000
+_PROBES = 5  # instants at which rates are compared
 
 
 def read_wanted(
@@ -67,6 +72,14 @@ def read_wanted(
     tables = build_tables(system)
     driven = is_driven(tables)
     if driven and system.period_value is None:
+        zero = [name for name, value in system.parameter_values.items() if value == 0.0]
+        if zero and _is_steady(system, tables):
+            raise OptionError(
+                f"{system.name}: time stands in the equations, but no rate changes with it while"
+                f" {' = '.join(zero)} = 0: the forcing has zero amplitude. For the cycle of the"
+                " system that nothing drives leave the forcing out of the text; to drive it, give"
+                " another value and period="
+            )
         raise OptionError(
             f"{system.name}: something drives it, and no period is declared; give the system"
             " period=, after which the forcing repeats"
@@ -82,6 +95,18 @@ def read_wanted(
         tuple(words), shared.tolerance,
     )  # fmt: skip
     return wanted, names
+
+
+def _is_steady(system: System, tables: Tables) -> bool:
+    """Whether no rate changes with time at some states, in any mode: forcing of zero amplitude."""
+    rates, generator = StateRates(system, tables), np.random.default_rng(0)
+    state = np.tile(generator.standard_normal(len(system.states)), (_PROBES, 1))
+    number, phase = np.zeros(_PROBES, np.int64), generator.uniform(0.0, tables.window, _PROBES)
+    for mode in range(len(system.mode_names)):
+        found = rates.of_many(number, phase, np.full(_PROBES, mode), state)
+        if not np.all(found == found[0]):  # nan too: then nothing is known
+            return False
+    return True
 
 
 def period_of(initial: Any) -> int:

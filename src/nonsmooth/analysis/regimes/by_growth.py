@@ -16,6 +16,7 @@ from nonsmooth.analysis.regimes.options import RegimeProtocol
 from nonsmooth.analysis.regimes.window import (
     SHRINKING,
     StrobeTest,
+    grows,
     no_closed_orbit,
     rest_floor,
     rotation_number,
@@ -242,6 +243,11 @@ def _unbounded(label: str, seen: Verdict, found: Evidence, i: int) -> str:
     names = tuple(
         name for name, drifts in zip(found.names, found.drifting, strict=True) if not drifts
     )
+    if not found.autonomous:
+        still = ~found.drifting
+        why = grows(found.strobes[i][:, still], names, found.sizes[i, still])
+        if why:
+            return why
     if label == labels.LIMIT_CYCLE:
         turns = seen.events > 0 or bool(np.any(found.angles))
         sizes = found.sizes[i, ~found.drifting]

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.status import Status
+from nonsmooth.system.system import System
 
 __all__ = [
     "ABSORBED",
@@ -44,7 +45,7 @@ LABELS = (
     EQUILIBRIUM, LOCKED, PERIODIC, LIMIT_CYCLE, QUASI_PERIODIC, CHAOTIC, ABSORBED, UNSETTLED,
     Status.DIVERGED.word, Status.UNDECIDED.word, Status.NONUNIQUE.word, INADMISSIBLE,
     Status.STEP_LIMIT.word, Status.SINGULAR.word, Status.SLIDING.word, Status.REFUSED.word,
-    INTERRUPTED,
+    INTERRUPTED, Status.EVENT_LIMIT.word,
 )  # fmt: skip
 
 ERRORS = 3.0  # standard errors that an exponent must keep from zero
@@ -111,9 +112,13 @@ class Verdict:
         )
 
 
-def label_of_end(status: Status) -> str:
-    """Label of a motion that ended: impacts that accumulate, and exits to 'stop', absorb."""
-    if status in (Status.EVENT_LIMIT, Status.STOPPED):
+def label_of_end(status: Status, system: System) -> str:
+    """Label of a motion that ended: impacts that accumulate, and exits to 'stop', absorb.
+
+    Where no exit has a reset there are no impacts: switches may accumulate without end.
+    """
+    hits = any(exit_.reset for mode in system.modes.values() for exit_ in mode.exits)
+    if status == Status.STOPPED or (status == Status.EVENT_LIMIT and hits):
         return ABSORBED
     return status.word
 

@@ -437,7 +437,7 @@ class _Motions:
                 self.verdicts[i] = seen[i].unsettled(why)
             elif status != Status.COMPLETED:
                 why = f"ended early: {status.word}"
-                self.verdicts[i] = seen[i].named(labels.label_of_end(status), why)
+                self.verdicts[i] = seen[i].named(labels.label_of_end(status, group.system), why)
         known = np.flatnonzero(going & found.has_mode & (found.statuses == Status.COMPLETED))
         evidence = Evidence.of(
             group, known, found.growth[known], states[known, turn - 1 :], self.sizes[known],
@@ -474,7 +474,7 @@ class _Motions:
         passed = (place.time(window) - start.instant.time(window)) / group.length(i)
         misfit = bool(group.is_misfit[i])
         return Verdict(
-            label=labels.label_of_end(status),
+            label=labels.label_of_end(status, group.system),
             reason="the start fits no mode" if misfit else f"ended early: {status.word}",
             transient_used=max(0, min(first, int(passed))),
             length=group.length(i),

@@ -35,6 +35,7 @@ __all__ = [
     "Windows",
     "cyclic_word",
     "elsewhere",
+    "grows",
     "no_closed_orbit",
     "rest_floor",
     "rotation_number",
@@ -59,6 +60,11 @@ _MOST = 0.9  # of the later states lie that close to earlier ones; a cycle has f
 SHRINKING = "the motion of every state shrinks from window to window"
 _HALF = 0.5  # of the spread of every state at most is left in the next window of a decay
 _RUNAWAY = 10.0  # times the spread of the window before is no bounded motion
+_PARTS = 4  # of both windows, in which a state grows by equal steps or larger ones
+_EQUAL = 0.01  # of a step, to which those of a state that settles slowly are smaller
+_STEADY = 1e-6  # of a step, to which a state moves on by the same amount each period
+_LEAST_STEP = 1e-6  # of the size of a state: smaller ones tell nothing
+_ROUNDING = 1e-9  # of the largest state, whose rounding adds up in others
 _FREQUENCIES = 25  # of the 0-1 test
 _LONGEST = 50  # period that the 0-1 test takes off
 _TURNS = 3  # round a circle in each half of a series, or more, are rotation
@@ -299,6 +305,35 @@ def travels(earlier: Floats, later: Floats, names: tuple[str, ...]) -> str:
         return ""
     which = ", ".join(name for name, is_one in zip(names, left, strict=True) if is_one)
     return f"{which} travels: it has left its range of the window before (drift= declares a drift)"
+
+
+def grows(strobes: Floats, names: tuple[str, ...], sizes: Floats) -> str:
+    """Which states grow by equal steps or larger ones from part to part, "" where none does.
+
+    What settles grows by smaller and smaller steps, and what is bounded turns back.
+
+    shapes: strobes (K, n), sizes (n,) of the states since the start
+    """
+    parts = np.array_split(strobes, _PARTS)
+    edges = np.stack([[part.max(axis=0) for part in parts], [-part.min(axis=0) for part in parts]])
+    steps = np.diff(edges, axis=1)
+    first, least = steps[:, :1], np.maximum(_LEAST_STEP * sizes, _ROUNDING * sizes.max(initial=0.0))
+    growing = np.any(np.all((steps > least) & (steps >= (1.0 - _EQUAL) * first), axis=1), axis=0)
+    if not np.any(growing):
+        return ""
+    each = np.diff(strobes, axis=0)
+    steady = growing & (np.ptp(each, axis=0) <= _STEADY * np.abs(each).max(axis=0))
+    told = ", ".join(name for name, does in zip(names, growing, strict=True) if does)
+    verb = "grow" if np.count_nonzero(growing) > 1 else "grows"
+    said = f"{told} {verb} from window to window, without bound so far"
+    if np.any(steady):
+        which = [name for name, does in zip(names, steady, strict=True) if does]
+        said += "".join(
+            f"; {name} moves on by the same amount each period: drift= declares it, if it stands in"
+            " no equation"
+            for name in which
+        )
+    return said
 
 
 class StrobeTest(NamedTuple):

@@ -13,7 +13,7 @@ from nonsmooth.engine.tables import MAX_AUGMENTED
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.cells.cells import MOST_MODES
 from nonsmooth.system.data import SystemData
-from nonsmooth.system.parts import STOP, Mode
+from nonsmooth.system.parts import STOP, FrozenDict, Mode
 from nonsmooth.system.signals import Signal
 from nonsmooth.system.surfaces import Surface
 from nonsmooth.system.text.functions import FUNCTIONS
@@ -55,12 +55,22 @@ def modes_of(equations: Any, modes: Mapping[str, Mode]) -> Mapping[str, Mode]:
             f"equations: give a mapping of states to their rates, not {equations!r:.60}"
         )
     one = {ONE_MODE: Mode(equations)}
-    if modes and modes != one:
+    if modes and modes != one and not _handed_on(modes):
         raise ModelError(
             "equations: they are one mode, and modes= are given as well; write them as one of the"
             " modes, or leave modes= out"
         )
     return one
+
+
+def _handed_on(modes: Mapping[str, Mode]) -> bool:
+    """Whether modes are those that another system made of its equations.
+
+    `dataclasses.replace` gives them with the equations that take their place.
+    """
+    if not isinstance(modes, FrozenDict) or set(modes) != {ONE_MODE}:
+        return False
+    return bool(modes[ONE_MODE] == Mode(modes[ONE_MODE].flow))
 
 
 def check_words(system: SystemData) -> None:
