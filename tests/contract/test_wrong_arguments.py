@@ -239,6 +239,7 @@ def cases():
         "order_tracking": ({"run": data("run"), "variable": "x"}, {}),
         "period_statistics": ({"run": data("run")}, {}),
         "phase_word": ({"run": data("run")}, {}),
+        "use_device": ({"name": "cpu"}, {}),
         "local_regimes": ({"data": data("points")}, {}),
         "zero_one_test": ({"data": data("points"), "variable": "x"}, {}),
         "mirrored_orbit": ({"orbit": data("even orbit")}, {}),

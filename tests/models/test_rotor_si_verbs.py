@@ -53,10 +53,11 @@ INTEGRITY = dict.fromkeys(
 ORBIT = {
     **{name: MOTION[name] for name in STATES}, "time": S, "length": S, "residual": ONE,
     "log_determinant": ONE, "durations": S, "leg_time": S, "leg_states": None, "strobes": None,
+    "strobe_times": S,
 }  # fmt: skip
 PICTURE = {
     **{name: MOTION[name] for name in STATES}, "length": S, "residual": ONE, "settled": None,
-    "strobes": None, "fraction": ONE, "fraction_error": ONE, "exponent": ONE,
+    "strobes": None, "strobe_times": S, "fraction": ONE, "fraction_error": ONE, "exponent": ONE,
     "exponent_error": ONE, "escape_rate_below": ONE, "unsettled": ONE, "ended": ONE,
     "parameter": HERTZ, "eta": HERTZ, "special_value": HERTZ, "arclength": ONE, "leg_time": S,
 }  # fmt: skip
@@ -278,6 +279,7 @@ NO_RESULTS = {  # verbs, and what else there is, that give no dataset of a motio
     "PoincareMap", "StroboscopicMap", "System", "Exit", "Mode", "Signal", "excitation", "fatigue",
     "continuation", "measured", "models", "plot", "phase_word", "tie_parameters", "__version__",
     "Surface", "smoothed", "smoothing_report", "mirrored_orbit", "fit", "posterior", "explore",
+    "use_device",
 }  # fmt: skip
 
 

@@ -362,9 +362,10 @@ def run_some(
     end: tuple[int, float],
     tolerance: float,
     most_events: int = NO_LIMIT,
-    work: int = WORK,
+    work: int | None = None,
 ) -> tuple[Status, int]:
     """Run one lane towards an instant, as far as one call goes; also how it goes on."""
+    work = WORK if work is None else work
     tables, rates, scratch, anchor, segment, tangent = lane
     modes, passed, statuses = np.array([mode]), np.zeros(2, np.int64), np.empty(1, np.int64)
     run_lanes(

@@ -210,7 +210,7 @@ def _accumulation(labels: Labels, outcome: Outcome) -> str:
     # modes as they were declared; rounding and flights lead between cells of one
     pairs = columns(rows, "from_mode", "to_mode").tolist()
     relayed = all(_declared(labels, one) != _declared(labels, other) for one, other in pairs)
-    return RELAYED_ACCUMULATE if relayed else ""
+    return RELAYED_ACCUMULATE if relayed and len(pairs) > 1 else ""
 
 
 def _declared(labels: Labels, mode: int) -> str:

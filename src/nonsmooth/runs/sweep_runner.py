@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.derivatives import allocate_scratch, no_rates
-from nonsmooth.engine.device import Device, DeviceSweep
+from nonsmooth.engine.device import DeviceSweep
 from nonsmooth.engine.lanes import (
     Anchor,
     Tangent,
@@ -254,18 +254,20 @@ class SweepRunner:
             sweep.statuses[~chosen] = Status.REFUSED
         ran = sweep.statuses == Status.COMPLETED
         stack = self._stack if sets is None else self._stack.part(sets)
-        if (
-            self._device is not None
-            and follows is None
-            and sets is None
-            and columns is None
-            and np.count_nonzero(ran) >= _LEAST_ON_DEVICE
-        ):
-            sweep = self._swept_on_device(self._device, motions, sweep)
-        else:
-            if columns is None:
-                columns = lane_tangents(self._no_columns, sweep.statuses.size)
-            sweep = self._swept(stack, motions, columns, sweep, stop)
+        device = self._device_for(ran, whole=follows is None and sets is None and columns is None)
+        if device is not None:
+            sweep = device.run(motions.anchors, sweep)
+        if columns is None:
+            columns = lane_tangents(self._no_columns, sweep.statuses.size)
+        status = Status.PAUSED if device is None else Status.COMPLETED
+        while status != Status.COMPLETED:
+            if stop is not None and stop.is_set():
+                raise Stopped
+            if status == Status.BUFFER_FULL:
+                sweep = sweep.enlarged()
+            status = run_sweep(
+                stack, _RATES, self._scratch, motions.anchors, self.segment, columns, sweep
+            )
         for name in ("uncertain", "estimated"):
             getattr(motions, name)[:] += sweep.settling[name] + sweep.recording[name]
         motions.statuses[ran], motions.since[ran] = sweep.statuses[ran], sweep.since[ran]
@@ -281,28 +283,10 @@ class SweepRunner:
             sweep.logs, sweep.sample_state,
         )  # fmt: skip
 
-    def _swept(
-        self,
-        stack: Tables,
-        motions: Motions,
-        columns: Tangent,
-        sweep: Sweep,
-        stop: threading.Event | None,
-    ) -> Sweep:
-        """The sweep at its end, run one motion after the other."""
-        status = Status.PAUSED
-        while status != Status.COMPLETED:
-            if stop is not None and stop.is_set():
-                raise Stopped
-            if status == Status.BUFFER_FULL:
-                sweep = sweep.enlarged()
-            status = run_sweep(
-                stack, _RATES, self._scratch, motions.anchors, self.segment, columns, sweep
-            )
-        return sweep
-
-    def _swept_on_device(self, device: Device, motions: Motions, sweep: Sweep) -> Sweep:
-        """The same, side by side on a device."""
+    def _device_for(self, ran: npt.NDArray[np.bool_], *, whole: bool) -> DeviceSweep | None:
+        """What runs a ``whole`` sweep of enough motions on a device, None where this one does."""
+        if self._device is None or not whole or np.count_nonzero(ran) < _LEAST_ON_DEVICE:
+            return None
         if self._on_device is None:
-            self._on_device = DeviceSweep(device, self._stack)
-        return self._on_device.run(motions.anchors, sweep)
+            self._on_device = DeviceSweep(self._device, self._stack)
+        return self._on_device

@@ -31,7 +31,7 @@ __all__ = [
 _TIMES = (
     "time", "phase", "event_time", "event_phase", "begin", "end_time",
     "contact_duration", "shortest_contact", "longest_contact", "from_time", "to_time",
-    "return_time", "length", "durations", "leg_time",
+    "return_time", "length", "durations", "leg_time", "strobe_times",
 )  # fmt: skip
 _RATES = ("lyapunov_exponent", "running_exponent", "exponent_sum")  # per unit time
 _STATISTICS = (
