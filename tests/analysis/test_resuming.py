@@ -44,15 +44,20 @@ def chunks(store):
     return {path.name: path.read_bytes() for path in Path(store).glob("[0-9]*.npz")}
 
 
-# The process ends after three chunks as one that is killed does: nothing is tidied up.
+# The process ends after three chunks as one that is killed does: nothing is tidied up. The lock
+# keeps other threads from writing a fourth chunk meanwhile.
 KILLED = """
 import os
+import threading
 from nonsmooth.runs.store import Store
 
+ONE_AT_A_TIME = threading.Lock()
+
 def put(self, i, arrays, original=Store.put):
-    original(self, i, arrays)
-    if len(self.done) == 3:
-        os._exit(9)
+    with ONE_AT_A_TIME:
+        original(self, i, arrays)
+        if len(self.done) == 3:
+            os._exit(9)
 
 Store.put = put
 """

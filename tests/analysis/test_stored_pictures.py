@@ -73,17 +73,24 @@ def test_an_interruption_at_any_chunk_loses_nothing(straight, tmp_path, monkeypa
 
 @pytest.mark.slow
 def test_a_killed_process_is_gone_on_from(straight, tmp_path) -> None:
-    """The process ends as one that is killed does: nothing is tidied up."""
+    """The process ends as one that is killed does: nothing is tidied up.
+
+    The lock keeps other threads from writing one more chunk meanwhile.
+    """
     store = tmp_path / "store"
     code = f"""
 import os
+import threading
 import nonsmooth as ns
 from nonsmooth.runs.store import Store
 
+ONE_AT_A_TIME = threading.Lock()
+
 def put(self, i, arrays, original=Store.put):
-    original(self, i, arrays)
-    if len(self.done) == 7:
-        os._exit(9)
+    with ONE_AT_A_TIME:
+        original(self, i, arrays)
+        if len(self.done) == 7:
+            os._exit(9)
 
 Store.put = put
 soft = ns.models.soft_impact(omega=0.8)
