@@ -46,7 +46,7 @@ def cycle():
         x, v = flight(*unknowns)
         return [x, -R * v - unknowns[1]]
 
-    time, speed = fsolve(gaps, [3.86, 0.4], xtol=1e-14)
+    time, speed = fsolve(gaps, [3.86, 0.4], xtol=1e-12)
     x_by, v_by = (
         np.imag(flight(time, speed + 1e-30j)[k]) / 1e-30 for k in (0, 1)
     )  # by complex steps

@@ -23,10 +23,12 @@ from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.system.model.value_checks import first_unmet
 from nonsmooth.system.system import System
 
-__all__ = ["LegError", "Legs", "Minima"]
+__all__ = ["LegError", "Legs", "Minima", "balanced_units"]
 
 Floats = npt.NDArray[np.float64]
 
+_MOST_UNIT = 2.0**60  # of a state; farther apart are states that a motion hardly couples
+_PARTS = (0.139, 0.382, 0.618)  # of a leg, few whole or half turns of which are such too
 _CLOSER = 14  # halvings of a leg towards its ends, where minima are looked for closely
 
 
@@ -117,13 +119,22 @@ class Legs:
         shapes: states (L, n), begins and ends (L,)
         """
         results = self._room(len(word))
-        passed = pass_legs(
-            self.tables, self.rates, self._scratch, self._segment, self._tangent,
-            _legs_of(word, states, begins, ends), results,
-        )  # fmt: skip
-        if passed < len(word):
-            raise LegError(f"leg {passed} of the orbit cannot be passed")
+        self._pass(_legs_of(word, states, begins, ends), len(word), results)
         return results
+
+    def coupling(self, word: Word, states: Floats, instants: Floats) -> Floats:
+        """How much of each state parts of the legs make of a unit of each, in moduli, (n, n).
+
+        A whole turn may make nothing of a state that it swings through. What the last pass
+        returned is left as it is.
+        """
+        results = allocate_leg_results(self._program.sizes, self.n_rates, len(word))
+        made = np.zeros((self.n, self.n))
+        for part in _PARTS:
+            ends = instants[:-1] + part * np.diff(instants)
+            self._pass(_legs_of(word, states, instants[:-1], ends), len(word), results)
+            made = np.maximum(made, np.abs(results.flow[:, : self.n]).max(axis=0).T)
+        return made
 
     def minima(self, word: Word, states: Floats, instants: Floats) -> Minima:
         """Lowest interior minimum of each guard in each leg, and the time since the leg began.
@@ -157,6 +168,13 @@ class Legs:
         columns = np.arange(lowest.shape[1])
         return Minima(lowest[first, columns], places[first, columns])
 
+    def _pass(self, legs: WordLegs, count: int, results: LegResults) -> None:
+        passed = pass_legs(
+            self.tables, self.rates, self._scratch, self._segment, self._tangent, legs, results
+        )
+        if passed < count:
+            raise LegError(f"leg {passed} of the orbit cannot be passed")
+
     def _room(self, count: int) -> LegResults:
         if count not in self._results:
             sizes = self._program.sizes
@@ -167,3 +185,16 @@ class Legs:
 def _legs_of(word: Word, states: Floats, begins: Floats, ends: Floats) -> WordLegs:
     states, begins, ends = (np.ascontiguousarray(each, float) for each in (states, begins, ends))
     return WordLegs(word.mode_array, word.path_array, states, begins, ends)
+
+
+def balanced_units(coupling: Floats) -> Floats:
+    """Powers of two as units of the states, in which no part of a matrix drowns another.
+
+    shapes: coupling (n, n), not negative; returns (n,)
+    """
+    from scipy.linalg.lapack import dgebal
+
+    if len(coupling) == 0 or not np.all(np.isfinite(coupling)):
+        return np.ones(len(coupling))
+    _, _, _, units, _ = dgebal(coupling, scale=1, permute=0)
+    return np.clip(units, 1.0 / _MOST_UNIT, _MOST_UNIT)

@@ -20,6 +20,7 @@ import numpy.typing as npt
 from nonsmooth.engine.orbits import LegResults, multiply_graded
 from nonsmooth.engine.tables import members
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.legs import balanced_units
 from nonsmooth.periodic_orbits.word import Word
 
 __all__ = [
@@ -42,7 +43,6 @@ _SPLIT = 1e-13  # part of a direction that couples blocks: rounding of orthogona
 _KICK = 1e-9  # change of the flow at an event, beside the flow, below which there is none
 _EARLIER = 1e-9  # part of the shortest leg: the limit is approached like that
 _CARRIED = 1e-3  # part of the rates by which the flow may miss them a turn later
-_MOST_UNIT = 2.0**60  # of a state; farther apart are states that a motion hardly couples
 _RANK = 1e-13  # part of an event's matrix below which a direction is wiped out
 
 
@@ -159,7 +159,8 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
     if not np.all(np.isfinite(events)):
         unknown = np.full(n - equations.autonomous, np.nan, complex)
         return Floquet(unknown, np.nan, Poles(np.nan, np.nan))
-    units = _units(factors.flow)
+    # a frame that turns mixes the states: rounding of metres would be left in volts
+    units = balanced_units(np.abs(factors.flow).sum(axis=0))
     events, flow = (_in_units(each, units) for each in (events, factors.flow))
     # begin where the fewest states are free, the others being given by them
     first = int(np.argmin(free.sum(axis=1)))
@@ -178,23 +179,11 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
     return Floquet(values, _log_determinant(equations, whole), poles)
 
 
-def _units(flow: Floats) -> Floats:
-    """Powers of two as units of the states, in which no part of the legs' matrices drowns another.
-
-    A frame that turns mixes the states, and rounding of the large ones would be left in the small
-    ones: of metres beside volts, say. Events that are passed slowly have large parts in any units.
-    """
-    from scipy.linalg.lapack import dgebal
-
-    sizes = np.abs(flow).sum(axis=0)
-    if len(sizes) == 0 or not np.all(np.isfinite(sizes)):
-        return np.ones(len(sizes))
-    _, _, _, units, _ = dgebal(sizes, scale=1, permute=0)
-    return np.clip(units, 1.0 / _MOST_UNIT, _MOST_UNIT)
-
-
 def _in_units(matrices: Floats, units: Floats) -> Floats:
-    """Matrices (L, n, n) between states in other units, which changes no digit."""
+    """Matrices (L, n, n) between states in other units, which changes no digit.
+
+    Events that are passed slowly have large parts in any units.
+    """
     return matrices * units / units[:, None]
 
 
@@ -279,7 +268,7 @@ def _log_determinant(equations: OrbitEquations, factors: Factors) -> float:
     ends = np.roll(free, -1, axis=0)
     events = np.where(ends[:, :, None], factors.events, 0.0)
     n = free.shape[1]
-    units = _units(factors.flow)
+    units = balanced_units(np.abs(factors.flow).sum(axis=0))
     if not free.all() or int(_ranks(_in_units(events, units)).min(initial=n)) < n:
         return -np.inf
     return float(

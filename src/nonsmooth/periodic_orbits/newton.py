@@ -9,7 +9,7 @@ import numpy.typing as npt
 from scipy.linalg import lapack, matrix_balance
 
 from nonsmooth.periodic_orbits.equations import OrbitEquations
-from nonsmooth.periodic_orbits.legs import LegError
+from nonsmooth.periodic_orbits.legs import LegError, balanced_units
 
 __all__ = ["AT_ZERO", "Solution", "null_vector", "row_scale", "scale_of", "size_of", "solve_orbit"]
 
@@ -25,6 +25,9 @@ _FURTHER = 4  # steps of an orbit that is found already
 _BACKWARDS = 0.05  # part of the turn by which a leg may last less than nothing on the way
 AT_ZERO = 1e-12  # states below which an orbit is one at rest at zero, and has no size of its own
 _PLACES = np.arange(1, 8) / 8.0  # in a turn, at which states are looked at for their sizes
+_NOTHING = 1e-6  # of the largest state: one of zero size, or one with another unit
+_ALIKE = 1e-3  # of the largest state: what is made is known by its order only
+_COUPLED = 1e-12  # of the largest part of the motion's matrix, below which it is rounding
 _SINGULAR = 1e-15  # reciprocal condition of the scaled Jacobian
 
 
@@ -54,8 +57,9 @@ def solve_orbit(
     last, further = np.inf, 0  # size of the step before; steps within rounding
     for iteration in range(1, steps + 1):
         step, well = _solve(jacobian * scale / rows[:, None], -residual / rows)
-        if not well:
-            return Solution(unknowns, size, iteration, "singular")
+        if not well:  # at a solution it stays: a point at rest is one from which no plane is left
+            solved = "completed" if size <= _ROUNDING else "singular"
+            return Solution(unknowns, size, iteration, solved)
         length = float(np.abs(step).max())
         if size <= _CLOSED and min(length, last) <= _SMALL:
             # further steps take what rounding allows
@@ -115,13 +119,39 @@ def scale_of(equations: OrbitEquations, unknowns: Floats) -> Floats:
     states = turn.states - np.where(equations.drifting, turn.states[0], 0.0)
     size = np.abs(states).max(axis=0)
     largest = float(size.max())
-    size = (
-        np.where(size > 1e-6 * largest, size, largest) if largest > AT_ZERO else np.ones(len(size))
-    )
+    if not largest > AT_ZERO:
+        size = np.ones(len(size))
+    elif np.any(size <= _NOTHING * largest):
+        try:
+            coupling = equations.legs.coupling(equations.word, turn.states, turn.instants)
+        except LegError:
+            coupling = np.eye(len(size))
+        size = _without_zeros(size, coupling)
     length = abs(float(turn.instants[-1] - turn.instants[0]))
     return np.concatenate(
         [np.tile(size, len(equations.word)), np.full(equations.n_instants, length)]
     )
+
+
+def _without_zeros(size: Floats, coupling: Floats) -> Floats:
+    """Sizes, in place of those that are zero or rounding what the motion makes of other states.
+
+    Metres are small beside metres per second where motions are fast, and none the less no zero.
+    What no other state makes counts as the largest one, in units that balance the motion.
+    """
+    largest = size.max()
+    units = balanced_units(coupling)
+    balanced = coupling * units / units[:, None]
+    made = np.where(balanced > _COUPLED * balanced.max(), coupling, 0.0)
+    np.fill_diagonal(made, 0.0)
+    known, found = size > _NOTHING * largest, size.copy()
+    for _ in size:  # what is made of large states makes others in turn
+        natural = made[:, known] @ found[known]
+        new = ~known & (natural > 0.0)
+        natural = np.where(natural > _ALIKE * largest, largest, natural)
+        found = np.where(new & (size <= _NOTHING * natural), natural, found)
+        known |= new
+    return np.where(known, found, (size / units).max() * units)
 
 
 def _scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:

@@ -30,7 +30,7 @@ _POINTLESS = 1e-9  # a test of the word that is less than this at the orbit itse
 
 
 class Image(NamedTuple):
-    """Image of a section point, drifts left out."""
+    """Image of a section point, drifts left out; states in units of `WordMap.sizes`."""
 
     point: Floats  # (m,)
     by_start: Floats  # (m, m) its derivatives by the section point
@@ -44,6 +44,9 @@ class WordMap:
     The orbit of a driven system begins at its phase. One of an autonomous system begins behind its
     last event; where there is none, on a plane across its flow. The map leads any state beside it
     to the event or to the plane, so one of its multipliers is 0: that along the motion.
+
+    States of the map are in units of their own sizes, so that none of them drowns in the rounding
+    of another, as metres beside metres per second would.
     """
 
     def __init__(self, equations: OrbitEquations, unknowns: Floats) -> None:
@@ -52,13 +55,13 @@ class WordMap:
         assert len(legs.chosen) == 1
         self.equations, self.unknowns = equations, unknowns
         self.moving: Integers = np.flatnonzero(~equations.drifting)
-        self.start = unknowns[self.moving].copy()
         self._place = list(legs.system.parameters).index(legs.chosen[0])
         self._values = legs.values.copy()
         n, last = legs.n, (len(equations.word) - 1) * legs.n
         self._closing = np.arange(last, last + n)
         self._others = np.setdiff1d(np.arange(equations.size), self._closing)
         self._scale = scale_of(equations, unknowns)
+        self.start = unknowns[self.moving] / self.sizes
         self._tests = BranchTests(equations, 1e-12, whole=False)
         kept = self._of_word()
         # what is about to change the word at the orbit itself
@@ -72,13 +75,20 @@ class WordMap:
 
     @property
     def sizes(self) -> Floats:
-        """The largest size of each state at the events of the orbit."""
+        """The largest size of each state at the events of the orbit, drifts left out."""
         return self._scale[self.moving]
+
+    @property
+    def sizes_of_all(self) -> Floats:
+        """The same of all states, a drift counting as the largest of all."""
+        sizes = np.full(self.equations.legs.n, self.sizes.max(initial=1e-300))
+        sizes[self.moving] = self.sizes
+        return sizes
 
     def image(self, point: Floats, value: float) -> Image | None:
         """Image of a section point; None where the word leads nowhere."""
         unknowns = self.unknowns.copy()
-        unknowns[self.moving] = point
+        unknowns[self.moving] = point * self.sizes
         try:
             self.set_parameter(value)
             return self._image(unknowns)
@@ -92,9 +102,9 @@ class WordMap:
         n, others = self.equations.legs.n, self._others
         residual, jacobian, moved = self._open(unknowns)
         if others.size:
-            sizes, best = row_scale(self.equations, self._scale, jacobian)[others], np.inf
+            weights, best = row_scale(self.equations, self._scale, jacobian)[others], np.inf
             for _ in range(_STEPS):
-                size = size_of(residual[others], sizes)
+                size = size_of(residual[others], weights)
                 if not size < best:  # rounding, or no convergence
                     break
                 best, kept = size, (unknowns.copy(), residual, jacobian, moved)
@@ -107,12 +117,15 @@ class WordMap:
         rows = self._closing[self.moving]
         point = residual[rows] + unknowns[self.moving]
         by_start = jacobian[rows][:, self.moving] + np.eye(rows.size)
+        sizes = self.sizes
         by_parameter = moved[rows, 0].copy()
         if others.size:
             given = np.column_stack([jacobian[others][:, self.moving], moved[others]])
             rest = jacobian[rows, n:] @ np.linalg.solve(jacobian[others, n:], given)
             by_start, by_parameter = by_start - rest[:, :-1], by_parameter - rest[:, -1]
-        return Image(point, by_start, by_parameter, unknowns)
+        return Image(
+            point / sizes, by_start * sizes / sizes[:, None], by_parameter / sizes, unknowns
+        )
 
     def margin(self, image: Image, value: float) -> float:
         """The lowest test of the word on the way of an image, beside what it is at the orbit.
@@ -140,7 +153,7 @@ class WordMap:
         word, wiring = self.equations.word, self.equations.legs.tables.wiring
         rebounds = {k for each in chatters(word.modes, word.paths, wiring) for k in each}
         for part in (_BESIDE, -_BESIDE):
-            image = self.image(self.start + part * self.sizes, self.value)
+            image = self.image(self.start + part, self.value)
             if image is not None:
                 self._tests.look(image.unknowns)
         found = self._tests.look(self.unknowns).tests

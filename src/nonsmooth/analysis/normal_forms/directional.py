@@ -49,7 +49,7 @@ class Quotients(NamedTuple):
     """Differences over falling steps, and what rounding may be in each of their entries."""
 
     values: Floats  # (K, ...)
-    rounding: Floats  # (K,)
+    rounding: Floats  # (K,), or (K, m + 1) of each column
 
 
 class Differences(NamedTuple):
@@ -83,7 +83,7 @@ def differences(
 
     width: what counts as large for the parameter; levels: number of steps
     """
-    size = max(np.abs(along / near.sizes).max(initial=0.0), abs(by_parameter) / width)
+    size = max(np.abs(along).max(initial=0.0), abs(by_parameter) / width)
     step = largest = _LARGEST / size
     for _ in range(_HALVINGS):
         if _keeps_word(near, step * along, step * by_parameter):
@@ -100,10 +100,12 @@ def differences(
         )
         first.append((ahead - behind) / (2.0 * h))
         second.append((ahead - 2.0 * centre + behind) / h**2)
-    rounding = _EPS * float(np.abs(centre).max())
+    # the parameter has a unit of its own
+    largest_of = np.abs(centre).max(axis=0)
+    rounding = _EPS * np.append(np.full(along.size, largest_of[:-1].max()), largest_of[-1])
     return Differences(
-        Quotients(np.array(first), rounding / steps),
-        Quotients(np.array(second), 2.0 * rounding / steps**2), step, step < largest,
+        Quotients(np.array(first), rounding / steps[:, None]),
+        Quotients(np.array(second), 2.0 * rounding / steps[:, None] ** 2), step, step < largest,
     )  # fmt: skip
 
 
@@ -128,7 +130,7 @@ def _steps(longest: float, levels: int = _LEVELS) -> Floats:
 def _image(near: WordMap, away: Floats, by_parameter: float) -> Image:
     found = near.image(near.start + away, near.value + by_parameter)
     if found is None:
-        raise Narrow(float(np.abs(away / near.sizes).max(initial=0.0)))
+        raise Narrow(float(np.abs(away).max(initial=0.0)))
     return found
 
 

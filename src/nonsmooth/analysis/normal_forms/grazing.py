@@ -42,12 +42,13 @@ def form_of_grazing(near: WordMap, test: str, width: float, name: str) -> Normal
         depth = _rate_of_depth(near, leg, guard, width)
     except NoTouch as fault:
         return NormalForm(detail=str(fault))
-    length = float(np.linalg.norm(touch.jump))
+    jump = touch.jump * near.sizes
+    length = float(np.linalg.norm(jump))
     form = NormalForm(
         coefficient=float(touch.gradient @ touch.jump), rate=depth.value, rate_error=depth.error,
         amplitude=length, power=touch.power,
-        right=(touch.jump / max(length, 1e-300)).astype(complex),
-        left=touch.gradient.astype(complex),
+        right=(jump / max(length, 1e-300)).astype(complex),
+        left=(touch.gradient / near.sizes).astype(complex),
     )  # fmt: skip
     values = np.abs(np.linalg.eigvals(touch.jacobian))
     form.outside = int(np.count_nonzero(values > 1.0 + _ON_CIRCLE))
@@ -74,7 +75,7 @@ def _rate_of_depth(near: WordMap, leg: int, guard: int, width: float) -> Estimat
     assert image is not None
     unit = np.eye(near.start.size)
     slope = np.linalg.solve(unit - image.by_start, image.by_parameter)
-    size = max(np.abs(slope / near.sizes).max(initial=0.0), 1.0 / width)
+    size = max(np.abs(slope).max(initial=0.0), 1.0 / width)
     legs, word = near.equations.legs, near.equations.word
 
     def depth(h: float) -> float:

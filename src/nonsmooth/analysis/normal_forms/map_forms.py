@@ -2,10 +2,10 @@
 
 The formulas are those of Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 3rd edition
 (2004), sections 5.4 and 9.7: a centre manifold is never computed, only products of the critical
-eigenvectors with derivatives of the map. ``q`` is the right eigenvector of length one, ``p`` the
-left one with <p, q> = 1; ``B(u, .)`` and ``C(u, u, .)`` are matrices, the derivatives of the
-Jacobian along ``u``. Coefficients come as the terms of which each is the sum, so that rounding in a
-sum of large terms is known.
+eigenvectors with derivatives of the map. ``q`` is the right eigenvector, of length one where states
+are in the units of the user, ``p`` the left one with <p, q> = 1; ``B(u, .)`` and ``C(u, u, .)`` are
+matrices, the derivatives of the Jacobian along ``u``. Coefficients come as the terms of which each
+is the sum, so that rounding in a sum of large terms is known.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Critical(NamedTuple):
     """The multiplier of a fixed point that is on the unit circle, with its eigenvectors."""
 
     multiplier: complex
-    right: Complexes  # q, of length one
+    right: Complexes  # q, of length one in the units of the user
     left: Complexes  # p, with <p, q> = conj(p) q = 1
     others: Complexes  # the other multipliers, without the conjugate
 
@@ -43,11 +43,10 @@ class Critical(NamedTuple):
 def critical(jacobian: Floats, sizes: Floats, target: complex | None) -> Critical:
     """The multiplier nearest to 1 or -1; without a target, of pairs nearest to the circle.
 
-    sizes: what counts as large for each state
+    sizes: units in which the map has its states
     """
-    scaled = jacobian * sizes / sizes[:, None]
     # what an event wipes out is left as 1e-200 or so, by which LAPACK would balance the matrix
-    scaled = np.where(np.abs(scaled) > _NOTHING * np.abs(scaled).max(), scaled, 0.0)
+    scaled = np.where(np.abs(jacobian) > _NOTHING * np.abs(jacobian).max(), jacobian, 0.0)
     values = np.linalg.eigvals(scaled).astype(complex)
     if target is None:
         pairs = np.where(values.imag > 0.0, np.abs(np.abs(values) - 1.0), np.inf)
@@ -56,10 +55,11 @@ def critical(jacobian: Floats, sizes: Floats, target: complex | None) -> Critica
         place = int(np.argmin(np.abs(values - target)))
     value = complex(values[place])
     left, _, right = np.linalg.svd(scaled - value * np.eye(sizes.size))
-    q, p = np.conj(right[-1]) * sizes, left[:, -1] / sizes
+    q, p = np.conj(right[-1]), left[:, -1]
     # the largest entry real and positive, so that numbers do not depend on the library
-    largest = q[np.argmax(np.abs(q))]
-    q = q * np.conj(largest) / (abs(largest) * np.linalg.norm(q))
+    whole = q * sizes
+    largest = whole[np.argmax(np.abs(whole))]
+    q = q * np.conj(largest) / (abs(largest) * np.linalg.norm(whole))
     p = p / np.conj(np.vdot(p, q))
     rest = np.delete(values, place)
     if value.imag != 0.0:

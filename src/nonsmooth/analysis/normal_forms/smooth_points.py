@@ -82,7 +82,7 @@ def form_of_smooth(near: WordMap, kind: str, width: float, name: str) -> NormalF
     distance = abs(abs(here.multiplier) - 1.0) if target is None else abs(here.multiplier - target)
     form = NormalForm(
         outside=int(np.count_nonzero(np.abs(here.others) > 1.0 + _SECOND)),
-        right=here.right, left=here.left,
+        right=here.right * near.sizes, left=here.left / near.sizes,
     )  # fmt: skip
     if not distance <= _CRITICAL.get(kind, _CRITICAL_ELSE):
         form.detail = (
@@ -199,7 +199,7 @@ def _branch_point(point: _CriticalPoint, form: NormalForm, lines: Differences) -
     q, p = point.here.right.real, point.here.left.real
     found = extrapolate(lambda d: quadratic(point.here, d[0][:, :-1]), [lines.first])
     cubic = _cubic(point, lines)
-    off = _HALF_DIGITS / max(float(np.abs(q / point.near.sizes).max()), 1e-300)
+    off = _HALF_DIGITS / max(float(np.abs(q).max()), 1e-300)
     found = Estimate(found.value, found.error + 3.0 * off * (abs(cubic.value) + cubic.error))
     by_parameter = point.image.by_parameter
     slope = solve_beside(point.here, point.jacobian, by_parameter - (p @ by_parameter) * q)

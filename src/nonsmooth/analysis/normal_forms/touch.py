@@ -6,10 +6,13 @@ the lowest point. What its excursion leaves behind is a power of the depth times
 zero-time discontinuity map (A. B. Nordmark, Journal of Sound and Vibration 145, 1991; M. di
 Bernardo, C. J. Budd, A. R. Champneys and P. Kowalczyk, Piecewise-smooth Dynamical Systems, 2008,
 chapters 6 and 7).
+
+States are in units of their own sizes here, as those of the return map are.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -76,20 +79,13 @@ class _Grazed(NamedTuple):
     def state(self) -> Floats:
         return self.before.end
 
-    @property
-    def sizes(self) -> Floats:
-        """The largest size of each state, a drift counting as the largest of all."""
-        sizes = np.full(self.state.size, self.near.sizes.max(initial=1e-300))
-        sizes[self.near.moving] = self.near.sizes
-        return sizes
-
     def at(self, mode: int, path: tuple[int, ...], state: Floats, later: float = 0.0) -> _Passed:
         """A short leg from a state at the touch."""
         return _pass(self.near, mode, path, state, self.time, self.time + later)
 
     def length_of(self, direction: Floats) -> float:
         """How far states may be displaced along a direction."""
-        return _DISPLACED / max(float(np.abs(direction / self.sizes).max()), 1e-300)
+        return _DISPLACED / max(float(np.abs(direction).max()), 1e-300)
 
 
 def touch_of(near: WordMap, leg: int, guard: int) -> Touch:
@@ -101,13 +97,14 @@ def touch_of(near: WordMap, leg: int, guard: int) -> Touch:
     left = _pass(near, contact.mode, (), contact.state, contact.time, turn.instants[leg + 1]).flow
     found = equations.legs.follow(equations.word, turn.states, turn.instants)
     factors = leg_factors(equations, found)
-    events = [*factors.events[:-1], _closing(near, found, factors.events[-1])]
+    events = _in_sizes(near, [*factors.events[:-1], _closing(near, found, factors.events[-1])])
+    flows = _in_sizes(near, factors.flow)
     stays = np.ix_(near.moving, near.moving)
     before = np.eye(near.moving.size)
-    for event, flow in zip(events[:leg], factors.flow[:leg], strict=True):
+    for event, flow in zip(events[:leg], flows[:leg], strict=True):
         before = event @ flow @ before
     behind = events[leg]
-    for event, flow in zip(events[leg + 1 :], factors.flow[leg + 1 :], strict=True):
+    for event, flow in zip(events[leg + 1 :], flows[leg + 1 :], strict=True):
         behind = event @ flow @ behind
     moved = left[stays] @ kick[near.moving]
     jump = behind @ moved
@@ -116,7 +113,12 @@ def touch_of(near: WordMap, leg: int, guard: int) -> Touch:
             "nothing of this power is left a turn later, as where the kick is along the motion"
         )
     gradient = -contact.before.row[near.moving] @ contact.before.flow[stays] @ before
-    return Touch(power, gradient, jump, behind @ factors.flow[leg] @ before, error)
+    return Touch(power, gradient, jump, behind @ flows[leg] @ before, error)
+
+
+def _in_sizes(near: WordMap, matrices: Sequence[Floats] | Floats) -> Floats:
+    """Matrices (L, m, m) between states that are in units of their sizes."""
+    return np.asarray(matrices) * near.sizes / near.sizes[:, None]
 
 
 def _closing(near: WordMap, found: LegResults, last: Floats) -> Floats:
@@ -137,13 +139,13 @@ def _pass(
     near: WordMap, mode: int, path: tuple[int, ...], state: Floats, begin: float, end: float
 ) -> _Passed:
     """Pass one leg and keep its results."""
-    legs = near.equations.legs
+    legs, unit = near.equations.legs, near.sizes_of_all
     word = Word((mode,), (path,))
-    found = legs.follow_each(word, state[None], np.array([begin]), np.array([end]))
+    found = legs.follow_each(word, (state * unit)[None], np.array([begin]), np.array([end]))
     return _Passed(
-        found.starts[0].copy(), found.start_rates[0].copy(), found.ends[0].copy(),
-        found.end_rates[0].copy(), found.flow[0, : legs.n].T.copy(), found.nexts[0].copy(),
-        found.jump_rate[0].copy(), found.guard_row[0, : legs.n].copy(),
+        found.starts[0] / unit, found.start_rates[0] / unit, found.ends[0] / unit,
+        found.end_rates[0] / unit, found.flow[0, : legs.n].T * unit / unit[:, None],
+        found.nexts[0] / unit, found.jump_rate[0] / unit, found.guard_row[0, : legs.n] * unit,
         float(found.guard[0]), float(found.guard_rate[0]),
     )  # fmt: skip
 
@@ -158,14 +160,15 @@ def _contact(near: WordMap, leg: int, guard: int) -> _Grazed:
     if not np.isfinite(time):
         raise NoTouch("the guard has no lowest value within the leg")
     span = min(_PART * duration, 0.5 * (time - begin), 0.5 * (begin + duration - time))
+    start = turn.states[leg] / near.sizes_of_all
 
     def rate(later: float) -> float:
-        return _pass(near, mode, (guard,), turn.states[leg], begin, time + later).rate
+        return _pass(near, mode, (guard,), start, begin, time + later).rate
 
-    row = _pass(near, mode, (guard,), turn.states[leg], begin, time).row
+    row = _pass(near, mode, (guard,), start, begin, time).row
     whole = float(turn.instants[-1] - turn.instants[0])
     # as of a guard that is touched for a while, or all along, by rounding
-    least = _NONE * float(np.abs(row[near.moving]) @ near.sizes) / whole**2
+    least = _NONE * float(np.abs(row[near.moving]).sum()) / whole**2
     for _ in range(_NEWTON):
         (curvature,) = derivative(rate, span)
         if not curvature.value > max(least, 2.0 * curvature.error):
@@ -174,7 +177,7 @@ def _contact(near: WordMap, leg: int, guard: int) -> _Grazed:
         time += step
         if abs(step) <= 1e-13 * duration:
             break
-    before = _pass(near, mode, (guard,), turn.states[leg], begin, time)
+    before = _pass(near, mode, (guard,), start, begin, time)
     return _Grazed(near, mode, guard, time, span, before, curvature)
 
 
@@ -197,7 +200,7 @@ def _kick(contact: _Grazed) -> tuple[float, Floats, float]:
 def _kick_of_wall(contact: _Grazed) -> tuple[float, Floats, float]:
     """Of a reset that is as large as the rate of the impact is, as at a rigid wall."""
     before, curvature = contact.before, contact.curvature
-    if np.any(np.abs(before.next - before.end) > _NONE * contact.sizes):
+    if np.any(np.abs(before.next - before.end) > _NONE):
         raise NoTouch("the reset moves the state even where the impact has no speed")
     change = before.jump_rate - before.end_rates
     (turned,) = derivative(
@@ -219,12 +222,12 @@ def _kick_of_stop(contact: _Grazed, target: int) -> tuple[float, Floats, float]:
     def apart(h: float) -> Floats:
         state = contact.state + h * row
         inside = contact.at(target, (), state)
-        if np.any(np.abs(inside.start - state) > _NONE * contact.sizes):
+        if np.any(np.abs(inside.start - state) > _NONE):
             raise NoTouch("behind the guard the motion is held on a surface")
         return inside.start_rates - contact.at(contact.mode, (), state).start_rates
 
     jump = apart(0.0)
-    large = np.abs(jump) > _NONE * np.maximum(np.abs(own), _NONE * contact.sizes / contact.span)
+    large = np.abs(jump) > _NONE * np.maximum(np.abs(own), _NONE / contact.span)
     root, blur = np.sqrt(2.0 / contact.curvature.value), contact.curvature
     if np.any(large):
         if abs(float(row @ jump)) > _NONE * float(np.abs(row) @ (np.abs(own) + np.abs(jump))):
@@ -285,7 +288,7 @@ def _kick_of_relation(contact: _Grazed, target: int) -> tuple[float, Floats, flo
     fall = contact.at(target, path, contact.state).rate
     span = contact.span
     if abs(force) > _NONE * abs(fall) * span or np.any(
-        np.abs(jump) > _NONE * np.maximum(np.abs(contact.before.end_rates), contact.sizes / span)
+        np.abs(jump) > _NONE * np.maximum(np.abs(contact.before.end_rates), 1.0 / span)
     ):
         raise NoTouch("the motion behind the guard begins with other rates, or does not end")
     ratio = before[-1].value / fall  # duration of the contact, over the way to the lowest point
@@ -301,8 +304,9 @@ def _kick_of_relation(contact: _Grazed, target: int) -> tuple[float, Floats, flo
             for first, second in zip(before[:-1], within, strict=True)
         ]
     )
-    doubt = max(each.error for each in (*before, *within)) * max(ratio, ratio**2)
-    blur = contact.curvature.error / contact.curvature.value
+    doubt = max(each.error for each in (*before[:-1], *within)) * max(ratio, ratio**2)
+    # the force has a unit of its own
+    blur = contact.curvature.error / contact.curvature.value + before[-1].error / abs(fall * ratio)
     error = doubt / max(float(np.abs(terms).max()), 1e-300) + blur
     return 1.0, square * terms.sum(axis=1), error
 
