@@ -57,6 +57,7 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _WITHIN = 8  # places in each leg at which states are looked at for their size
+_RESTS = 1e-9  # of the terms of a guard: what the states make of it on an orbit that rests
 _EPS = float(np.finfo(float).eps)
 # roundings in the terms of a guard: those of the flow, and of the equations that are solved. Up to
 # 20 were seen in guards that are zero by construction
@@ -114,7 +115,8 @@ def _guard_sizes(
     rate = np.einsum("kgi,ki->kg", rows[:, :, :n], np.abs(found.end_rates))
     late = float(np.abs(turn.instants).max())
     rounding = _EPS * (_ROUNDINGS * terms + late * rate)
-    # a guard of time alone, and an orbit that rests
+    # a guard of time alone, and an orbit that rests, where rounding would be the measure
+    sizes = np.where(sizes > _RESTS * terms, sizes, terms)
     sizes = np.where(sizes > 0.0, sizes, max(float(largest.max(initial=0.0)), 1e-300))
     return _GuardSizes(sizes, rounding)
 
