@@ -32,6 +32,7 @@ sys.exit(
             (
                 "bench_ensembles.py",
                 "bench_basins.py",
+                "bench_rotor_basins.py",
                 "bench_rotor.py",
                 "bench_growth.py",
                 "bench_structures.py",

@@ -49,7 +49,7 @@ def grid(cells, every=1):
     return np.column_stack(columns)
 
 
-def by_runner(year, starts, threads):
+def by_runner(year, starts, threads, periods=PERIODS):
     """Last states of runs by the map, in tasks over threads that take the next one."""
     last, left, lock = (
         np.empty(starts.shape),
@@ -65,7 +65,7 @@ def by_runner(year, starts, threads):
             if first is None:
                 return
             some = slice(first, first + TOGETHER)
-            last[some], _ = runner.last(runner.start(starts[some]), PERIODS)
+            last[some], _ = runner.last(runner.start(starts[some]), periods)
 
     others = [threading.Thread(target=work) for _ in range(threads - 1)]
     for each in others:
