@@ -207,3 +207,32 @@ def test_a_state_of_no_size_gets_that_of_its_likes():
     # the free decay of both directions over a period
     exact = np.exp(-0.05 * 2.0 * np.pi)
     np.testing.assert_allclose(np.abs(orbit["multipliers"].values), exact, rtol=1e-12)
+
+
+def wall(length: float, time: float, _voltage: float) -> ns.System:
+    """An oscillator before a rigid wall: the return map behind its graze has a square root."""
+    here = {"X": f"x/{length!r}", "V": f"v*{time!r}/{length!r}", "S": f"t/{time!r}"}
+    return ns.System(
+        states=["x", "v"],
+        period=f"2*pi/w*{time!r}",
+        parameters={"a": 0.2, "w": 0.87, "z": 0.02, "e": 1.0, "r": 0.8},
+        definitions=here,
+        modes={
+            "free": ns.Mode(
+                {"x": "v", "v": f"(a*cos(w*S) - 2*z*V - X)*{length / time**2!r}"},
+                exits=[ns.Exit("e - X", reset={"v": "-r*v"}, name="impact")],
+            )
+        },
+    )
+
+
+@pytest.mark.parametrize("units", UNITS)
+def test_what_begins_behind_a_graze_is_the_same_in_all_units(units):
+    """The graze is at a = |1 - w^2 + 2 z w i| e; the turns to the next impact are counted."""
+    told = []
+    for each in ((1.0, 1.0, 1.0), units):
+        found = ns.criticality(ns.continue_orbit(wall(*each), "a", (0.1, 0.3)), "grazing")
+        exact = abs(1.0 - 0.87**2 + 2j * 0.02 * 0.87)
+        assert float(found["special_value"][0]) == pytest.approx(exact, rel=VALUE)
+        told.append((found["criticality"].item(), found["criticality_detail"].item()))
+    assert told[0] == told[1]
