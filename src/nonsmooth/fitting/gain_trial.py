@@ -101,7 +101,13 @@ def _spreads_of_model(shooting: Shooting, k: int, initial: Floats) -> dict[str, 
     flights = record.flights
     seen = record.observation.look(flight.samples, flights.window, flights.values, record.step)
     later = seen.values[:, _SAMPLES // 2 :]
-    return {one.name: float(np.std(row)) for one, row in zip(sampled, later, strict=True)}
+    spreads = np.std(later, axis=1)
+    turns = record.ways_of_turns(flight.samples)
+    for k, one in enumerate(sampled):
+        if turns[k] > 0.0 and one.is_within(one.extent):
+            # the record jumps back, and a turn is as wide as it; the angle of the model goes on
+            spreads[k] = one.spread * turns[k] / one.extent
+    return {one.name: float(each) for one, each in zip(sampled, spreads, strict=True)}
 
 
 def _with_gain(channel: ObservedChannel, spread: float) -> ObservedChannel:
