@@ -54,17 +54,18 @@ def sizes_of_states(record: RecordEquations, initial: Floats) -> Floats:
     if flight is not None:
         sizes = np.abs(flight.samples.states).max(axis=0)
     for channel, j in _direct(record):
-        sizes[j] = float(np.nanmax(np.abs(channel.values)))
+        sizes[j] = float(np.nanmax(np.abs(channel.values))) / abs(channel.gain.guess)
     return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
 def _direct(record: RecordEquations) -> list[tuple[ObservedChannel, int]]:
-    """Channels that show a state as it is."""
+    """Channels that show a state, with a gain that is known."""
     states = record.system.states
     return [
         (channel, states.index(channel.text))
         for channel in record.channels
-        if channel.text in states and channel.gain == (1.0, 1.0, 1.0) and not channel.shows_events
+        if channel.text in states
+        and not (channel.gain.is_free or channel.gain.guess == 0.0 or channel.shows_events)
     ]
 
 
@@ -154,13 +155,13 @@ def _with_data(record: RecordEquations, m: int, guess: Floats) -> Floats:
         times = record.times[good] - channel.delay.guess + record.shift.guess
         place = float(record.bounds[m])
         values, turn = channel.values[good], float(record.angle_periods[j])
-        if channel.is_within(turn):
+        if channel.is_within(abs(channel.gain.guess) * turn):
             behind = int(np.clip(np.searchsorted(times, place), 1, times.size - 1))
             if times[behind] - times[behind - 1] > _FAR_APART * record.step:
                 continue  # how far the angle has gone meanwhile, the guess knows better
-            values = np.unwrap(values, period=turn)
+            values = np.unwrap(values, period=abs(channel.gain.guess) * turn)
         found[j] = np.interp(place, times, values)
-        found[j] -= channel.offset.guess
+        found[j] = (found[j] - channel.offset.guess) / channel.gain.guess
     return found
 
 
