@@ -375,3 +375,31 @@ def test_a_curve_of_special_points_ends_where_a_requirement_fails():
     assert np.allclose(force, np.hypot(1.0 - w**2, 0.2 * w), rtol=1e-9)
     assert w.max() == pytest.approx(0.75, abs=1e-7)  # by the smallest step
     assert "refuses the parameters: w < 0.75 is required, w = 0.75" in curve.attrs["message"]
+
+
+@pytest.mark.slow
+def test_a_closed_branch_of_cycles_without_events_ends_where_it_began():
+    """(r - 2)**2 + p**2 = 1/4: cycles of radius r, which move across the plane of the first one.
+
+    So planes are laid anew on the way, and the branch comes back on another one.
+    """
+    rings = ns.System(
+        states=["x", "y"],
+        parameters={"p": 0.0},
+        definitions={"u": "y - 3*p", "g": "(sqrt(x**2 + u**2) - 2)**2 + p**2 - 0.25"},
+        equations={"x": "x*g - u", "y": "u*g + x"},
+    )
+    orbit = ns.find_orbit(rings, {"x": 1.5, "y": 0.0})
+    branch = ns.continue_orbit(rings, "p", (-1.0, 1.0), initial=orbit, steps=500)
+    assert branch.attrs["end_last"] == "closed"
+    radius = np.hypot(branch["x"], branch["y"] - 3.0 * branch["p"])
+    assert np.abs((radius - 2.0) ** 2 + branch["p"] ** 2 - 0.25).max() < 1e-10
+    assert radius.min() == pytest.approx(1.5, abs=1e-10)
+    assert radius.max() > 2.49
+    kinds = branch["special_kind"].values.tolist()
+    assert kinds.count("fold") == 2
+    folds = branch["special_value"].values[branch["special_kind"].values == "fold"]
+    assert np.abs(np.abs(folds) - 0.5).max() < 1e-12
+    # the last orbit is the first one, from whatever point of it
+    assert float(branch["p"][-1]) == pytest.approx(0.0, abs=1e-12)
+    assert float(radius[-1]) == pytest.approx(1.5, abs=1e-10)

@@ -114,3 +114,66 @@ def test_the_line_reaches_the_jump_from_either_side(symmetric):
         & (drawn[:, 1] < between[1])
     )
     assert not over.any()
+
+
+def clocked(begin):
+    """The same ball, whose forcing is a clock that is set back once per period."""
+    return ns.System(
+        states=["x", "v", "c"],
+        parameters={"A": 1.5, "r": R, "d": D},
+        period="2*pi",
+        initial={"v": 0.5, "c": begin},
+        modes={
+            "fly": ns.Mode(
+                {"x": "v", "v": "A*cos(c)", "c": "1"},
+                exits=[
+                    ns.Exit("d - x", reset={"v": "-r*v"}, name="right"),
+                    ns.Exit("d + x", reset={"v": "-r*v"}, name="left"),
+                    ns.Exit("2*pi - c", reset={"c": "c - 2*pi"}, name="tick"),
+                ],
+            )
+        },
+    )
+
+
+@pytest.fixture(scope="module", params=[0.0, 0.7], ids=["strobe at the tick", "later"])
+def by_clock(request):
+    return request.param, ns.continue_orbit(clocked(request.param), "A", (0.5, 3.0))
+
+
+def test_a_clock_shows_what_the_forcing_does(by_clock, symmetric):
+    """An impact passes the tick where it passes the strobe of the driven ball, in closed form."""
+    begin, branch = by_clock
+    assert branch["A"].values.min() == 0.5
+    assert branch["A"].values.max() == 3.0
+    (point, _), *others = twins(branch)
+    assert not others
+    if begin == 0.0:
+        assert float(branch["A"][point]) == pytest.approx(
+            float(symmetric["A"][twins(symmetric)[0][0]]), abs=1e-11
+        )
+    pair = branch["strobes"].values[point : point + 2, 0]
+    assert np.allclose(np.abs(pair[:, 0]), D, rtol=0, atol=1e-10)
+    speeds = pair[:, 1]
+    before = np.argmax(np.abs(speeds))
+    assert speeds[1 - before] == pytest.approx(-R * speeds[before], abs=1e-9)
+    # each state is on the side of the next orbit there
+    for side, neighbour in ((0, point - 1), (1, point + 2)):
+        assert np.sign(branch["strobes"].values[neighbour, 0, 1]) == np.sign(speeds[side])
+
+
+def test_the_line_of_a_clock_reaches_the_jump_from_either_side(by_clock):
+    begin, branch = by_clock
+    (point, _), *_ = twins(branch)
+    value, pair = float(branch["A"][point]), branch["strobes"].values[point : point + 2, 0, 1]
+    behind = ns.bifurcation_diagram(clocked(begin), "A", [1.0, 2.0], transient=20, record=10)
+    ax = ns.plot.branch(branch, "v", diagram=behind)
+    lines = [line.get_xydata() for line in ax.lines if str(line.get_gid()).startswith("branch")]
+    plt.close(ax.figure)
+    drawn = np.concatenate(lines)
+    for speed in pair:
+        assert (np.abs(drawn - [value, speed]) <= 1e-9).all(axis=1).any()
+    for line in lines:  # no line leads over the jump
+        there = np.abs(line[:, 0] - value) <= 1e-9
+        over = there[1:] & there[:-1]
+        assert not np.any(over & (np.abs(np.diff(line[:, 1])) > 0.1))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
 
@@ -47,3 +48,24 @@ def test_the_gain_that_is_told_makes_the_fit_converge():
     low, high = found["interval_low"].values, found["interval_high"].values
     truth = np.array([1.4, 0.15])
     assert np.all((low < truth) & (truth < high))
+
+
+@pytest.mark.slow
+def test_a_free_decay_in_mm_is_recognised():
+    """The model rests where nothing drives it, and how fast a hardening spring swings tells m."""
+    t = np.linspace(0.0, 15.0, 100)
+
+    def rates(_, y):
+        return [y[1], -0.15 * y[1] - 1.3 * y[0] - 0.8 * y[0] ** 3]
+
+    x = solve_ivp(rates, (0.0, 15.0), [2.0, 0.0], "DOP853", t, rtol=1e-12, atol=1e-12).y[0]
+    x += 0.01 * np.random.default_rng(1).standard_normal(t.size)
+    spring = ns.System(
+        states=["x", "v"],
+        parameters={"k": 1.0, "c": 0.2},
+        equations={"x": "v", "v": "-c*v - k*x - 0.8*x**3"},
+    )
+    shown = ns.measured.from_arrays({"x": 1000.0 * x}, times=t)
+    with pytest.warns(ns.ResultWarning, match="mm for m"):
+        found = ns.fit(spring, shown, FREE, {"x": "x"}, starts=1)
+    assert "give gain={'x': 1000}" in found.attrs["message"]

@@ -219,4 +219,16 @@ def test_other_equations_of_a_system_of_one_mode():
     assert faster.modes["flow"].flow["x"] == faster.equations["x"] == "-k*x"
     assert faster == System(states=["x"], equations={"x": "-k*x"}, parameters={"k": 2.0})
     with pytest.raises(ModelError, match="leave modes= out"):
-        dataclasses.replace(falls, equations={"x": "-k*x"}, modes={"m": Mode({"x": "1"})})
+        System(states=["x"], equations={"x": "-x"}, modes={"m": Mode({"x": "1"})})
+
+
+def test_other_modes_in_the_place_of_equations_and_the_reverse():
+    falls = System(states=["x"], equations={"x": "-x"})
+    rises = {"rise": Mode({"x": "1"})}
+    with pytest.raises(ModelError, match=r"written with equations=.*modes=\.\.\., equations=None"):
+        dataclasses.replace(falls, modes=rises)
+    other = dataclasses.replace(falls, modes=rises, equations=None)
+    assert other.mode_names == ("rise",)
+    with pytest.raises(ModelError, match=r"written with modes= \(rise\).*modes=\{\}"):
+        dataclasses.replace(other, equations={"x": "-x"})
+    assert dataclasses.replace(other, equations={"x": "-x"}, modes={}) == falls

@@ -106,7 +106,8 @@ def edge_state(
         track came to none, at those of its later half. ``kind`` is "periodic" for a saddle, else
         "chaotic", "quasi-periodic" or "aperiodic", or "unresolved" where the track repeats and the
         map has no derivative there. Of the saddle ``period`` in iterates, ``multipliers`` (complex,
-        exactly one outside the unit circle), ``word`` and ``residual``; of other sets the two
+        exactly one outside the unit circle), ``word``, ``residual`` and, for every drifting state
+        and angle, its change per iterate, as in ``q_per_iterate``; of other sets the two
         largest exponents, ``exponent`` and ``exponent_error``. ``mean`` and ``deviation`` of the
         states over the points. Over ``iterate``: ``track``, states along the border, and
         ``width``, how far it may be away. Over ``side``: the ``start``, ``outcome``, the kind of

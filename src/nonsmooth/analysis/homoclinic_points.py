@@ -94,7 +94,9 @@ def homoclinic_points(
         the start that leads to the point), ``images`` and ``ahead`` (applications of the map from
         there to the point, and from the point to the first piece of the stable manifold),
         ``position_error`` along the curve, ``unstable_side``, ``stable_side``, ``orbit_point`` and
-        ``to_point``. Attributes: ``status``, ``message``, ``n_orbits`` and ``unrefined``.
+        ``to_point``. For every angle ``q_turns``: the point lies on the unstable curve as
+        `manifold` gives it, and on the stable one so many turns farther on. Attributes:
+        ``status``, ``message``, ``n_orbits`` and ``unrefined``.
 
     Raises
     ------
@@ -248,6 +250,12 @@ def _dataset(
         "orbit_point": each_of([o.number for o in outs], int, "iterate of the orbit"),
         "to_point": each_of([o.number for o in intos], int, "iterate of the second orbit"),
     }  # fmt: skip
+    shifts = np.array([each.passage.shift for each in found]).reshape(-1, len(system.states))
+    for name, period in system.angles.items():
+        turns = np.rint(shifts[:, system.states.index(name)] / period)
+        variables[f"{name}_turns"] = each_of(
+            turns.tolist(), int, f"turns of {name} from the stable curve to the point"
+        )
     told = [] if complete else ["interrupted by the user; curves are shorter than they might be"]
     if lost:
         told.append(f"{lost} crossings of the curves are no crossings of the manifolds, or unsure")

@@ -20,6 +20,8 @@ from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import finite_number, positive_number, whole_number
 from nonsmooth.runs.progress import Progress
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
+from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -306,8 +308,19 @@ class _Orbits:
             each = find_orbit(system, orbit, parameters={}, tolerance=self.tolerance)
             if each.attrs["status"] != "completed":
                 return None
-            found.append(each)
+            found.append(_beside(system, each, orbit))
         return found[0], found[-1]
+
+
+def _beside(system: System, orbit: Any, near: Any) -> Any:
+    """The orbit with its angles those whole turns on that are nearest to those of another one.
+
+    So what lies some turns beyond a saddle does so at all values of the parameter.
+    """
+    periods = periods_of_states(system)
+    here, there = (np.array([float(each[n]) for n in system.states]) for each in (orbit, near))
+    turns = whole_turns(here - there, periods)
+    return orbit.assign({n: orbit[n] - turns[system.states.index(n)] for n in system.angles})
 
 
 def _unique(found: list[Tangency], begin: float, end: float) -> list[Tangency]:

@@ -33,6 +33,7 @@ _TRIES = 8  # other guesses where the first one does not do
 _GOOD = 9.0  # mean square of a residual, in units of the first guess of the noise
 _SHIFTS = (0.0, -0.125, 0.125, -0.25, 0.25, 0.375)  # of a cut, in lengths of a segment
 _NEAR = 0.1  # of the size of a state: how far from the wall of a mode a cut is safe
+_FAR_APART = 2.5  # steps between samples, in which an angle may have gone by some turns
 _SHORT = 1e-3  # of a segment: long enough to see whether a motion begins
 _PRIOR = 0.3  # weight of the guess, in units of the size of a state: for what is not observed
 
@@ -53,17 +54,18 @@ def sizes_of_states(record: RecordEquations, initial: Floats) -> Floats:
     if flight is not None:
         sizes = np.abs(flight.samples.states).max(axis=0)
     for channel, j in _direct(record):
-        sizes[j] = float(np.nanmax(np.abs(channel.values)))
+        sizes[j] = float(np.nanmax(np.abs(channel.values))) / abs(channel.gain.guess)
     return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
 def _direct(record: RecordEquations) -> list[tuple[ObservedChannel, int]]:
-    """Channels that show a state as it is."""
+    """Channels that show a state, with a gain that is known."""
     states = record.system.states
     return [
         (channel, states.index(channel.text))
         for channel in record.channels
-        if channel.text in states and channel.gain == (1.0, 1.0, 1.0) and not channel.shows_events
+        if channel.text in states
+        and not (channel.gain.is_free or channel.gain.guess == 0.0 or channel.shows_events)
     ]
 
 
@@ -151,8 +153,15 @@ def _with_data(record: RecordEquations, m: int, guess: Floats) -> Floats:
     for channel, j in _direct(record):
         good = np.isfinite(channel.values)
         times = record.times[good] - channel.delay.guess + record.shift.guess
-        found[j] = np.interp(record.bounds[m], times, channel.values[good])
-        found[j] -= channel.offset.guess
+        place = float(record.bounds[m])
+        values, turn = channel.values[good], float(record.angle_periods[j])
+        if channel.is_within(abs(channel.gain.guess) * turn):
+            behind = int(np.clip(np.searchsorted(times, place), 1, times.size - 1))
+            if times[behind] - times[behind - 1] > _FAR_APART * record.step:
+                continue  # how far the angle has gone meanwhile, the guess knows better
+            values = np.unwrap(values, period=abs(channel.gain.guess) * turn)
+        found[j] = np.interp(place, times, values)
+        found[j] = (found[j] - channel.offset.guess) / channel.gain.guess
     return found
 
 

@@ -44,6 +44,7 @@ _OF_EVENTS = {"gain": 1.0, "offset": 0.0}
 _SMALLEST = 1e-9  # noise, in parts of the spread of a channel
 _FEWEST = 10  # samples of a channel that are numbers
 _FEWEST_EVENTS = 3
+_ONE_TURN = 1.25  # turns that an angle within one may seem to fill, with noise
 _BORDER = 1e-9  # of bounds, beside their ends
 _LOOKS = 1000  # within bounds, at random
 _KINDS = "iuf"  # of numpy: numbers that may be instants
@@ -79,6 +80,15 @@ class ObservedChannel(NamedTuple):
     delay: Range
     noise: Range
     shows_events: bool = False
+    extent: float = np.nan  # greatest sample less least
+    jump: float = 0.0  # largest change from one sample to the next
+
+    def is_within(self, turn: float) -> bool:
+        """Whether an angle is given within one turn, as an encoder does, and jumps back there.
+
+        ``turn`` is in units of the channel.
+        """
+        return self.jump > 0.5 * turn > 0.0 and self.extent <= _ONE_TURN * turn
 
     @property
     def spread(self) -> float:
@@ -224,8 +234,14 @@ def read_channels(
             ranges |= {key: Range(each, each, each) for key, each in _OF_EVENTS.items()}
         size = 2.0 * _half_a_wait(values) if shows_events else float(np.nanstd(values))
         level = _noise(name, levels, 0.05 * size or 1.0)
-        found.append(ObservedChannel(name, text, values, **ranges, noise=level,
-                                     shows_events=shows_events))  # fmt: skip
+        known_ones = values[np.isfinite(values)]
+        found.append(
+            ObservedChannel(
+                name, text, values, **ranges, noise=level, shows_events=shows_events,
+                extent=float(np.ptp(known_ones)),
+                jump=float(np.abs(np.diff(known_ones)).max(initial=0.0)),
+            )
+        )  # fmt: skip
     return found
 
 

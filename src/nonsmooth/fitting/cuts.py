@@ -75,8 +75,8 @@ def cut_for(
 
 def _not_steady(system: System, free: Mapping[str, Range]) -> str:
     """Why it is not known after which time a motion repeats itself; nothing where it is."""
-    if system.drift:
-        return f"{', '.join(system.drift)} may drift, so the motion need not come back"
+    if system.drift_states:
+        return f"{', '.join(system.drift_states)} may drift, so the motion need not come back"
     period = _period(system, free)
     if period is None:
         return (

@@ -13,7 +13,6 @@ from scipy.stats import qmc
 
 from nonsmooth.analysis.options import SharedOptions, check_seed, refuse_fixed
 from nonsmooth.errors import OptionError, ResultWarning, RunError, is_known, unknown_name
-from nonsmooth.fitting.beginning import sizes_of_states
 from nonsmooth.fitting.channels import (
     Range,
     check_allowed,
@@ -26,7 +25,7 @@ from nonsmooth.fitting.cuts import Cut, GivenRecord, cut_for, equations_of
 from nonsmooth.fitting.gain_trial import explaining_gains, said_of_gains
 from nonsmooth.fitting.report import NOT_CONVERGED, Search, fit_dataset
 from nonsmooth.fitting.shooting import Shooting
-from nonsmooth.fitting.solver import LOSSES, Fitted, height, solve_from
+from nonsmooth.fitting.solver import LOSSES, Fitted, height, prepare, solve_from
 from nonsmooth.fitting.units import with_units
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.runs.options import whole_number
@@ -314,11 +313,13 @@ def fit(
     result = fit_dataset(whole, found, told, loss, drawn, chosen, _marks(record))
     result = with_units(result, records, datasets)
 
-    def again(others: Sequence[GivenRecord]) -> Search:
-        shooting = partial(_shooting, others, bounds, moved, cuts, own, tolerance)
-        return _search(shooting, rest, loss, 1, chosen)
+    def begin(others: Sequence[GivenRecord]) -> Shooting:
+        return _shooting(others, bounds, moved, cuts, own, tolerance)
 
-    gains = said_of_gains(explaining_gains(records, found, rest, again))
+    def again(others: Sequence[GivenRecord]) -> Search:
+        return _search(partial(begin, others), rest, loss, 1, chosen)
+
+    gains = said_of_gains(explaining_gains(records, found, rest, begin, again))
     more = f"; {gains}" if gains else ""
     if result.attrs["status"] != "completed":
         said = f"{system.name}: the fit has not converged: {NOT_CONVERGED}{more}"
@@ -420,12 +421,7 @@ def _search(
     noise = np.array([channel.noise.guess for channel in first.channels])
     found: list[Fitted | None] = []
     for k, (shooting, guess) in enumerate(zip(shootings, guesses, strict=True)):
-        if shooting.set_up(shooting.head_of(guess)):
-            for each in shooting.records:
-                each.limit_work(initial)
-            sizes = [sizes_of_states(each, initial) for each in shooting.records]
-            largest = np.max(sizes, axis=0)
-            shooting.scale_states(np.where(largest > 0.0, largest, 1.0))
+        if prepare(shooting, guess, initial):
             best = min((height(each) for each in found if each is not None), default=np.inf)
             found.append(solve_from(shooting, guess, initial, noise, loss, seed + k, best))
         else:

@@ -4,6 +4,11 @@ A record in degrees of a model in radians, or in mm of one in m, makes a fit fai
 with a gain, or makes it explain next to nothing. Then the spread of each channel is put beside that
 of the same quantity on a motion of the model. If they are far apart, one more start finds the
 gains.
+
+Where nothing drives the model, its motion from rest has no spread, and that of a free decay may be
+of any size. Then the usual factors between units are tried: those with which single segments fit
+best, each in a fit of its own. The gain is fixed there, for that of a free decay may not be
+determined beside the parameters.
 """
 
 from __future__ import annotations
@@ -17,6 +22,7 @@ from nonsmooth.fitting.channels import ObservedChannel, Range
 from nonsmooth.fitting.cuts import GivenRecord
 from nonsmooth.fitting.report import Search
 from nonsmooth.fitting.shooting import Shooting
+from nonsmooth.fitting.solver import misfit_of_start
 
 __all__ = ["explaining_gains", "said_of_gains"]
 
@@ -24,6 +30,7 @@ Floats = npt.NDArray[np.float64]
 
 _APART = 3.0  # factor between spreads from which on a gain is tried: motions differ by less
 _WIDE = 5.0  # factor on either side of the ratio of the spreads in which it is sought
+_TRIED = 3  # usual factors that are tried in a fit of their own
 _SAMPLES = 2000  # of a motion of the model
 _LITTLE, _MOST = 0.1, 0.1  # noise beside the record: it explains little; it explains most of it
 _NEAR = 0.03  # of a factor between units, by which the gain of a record may be off
@@ -41,18 +48,19 @@ def explaining_gains(
     records: Sequence[GivenRecord],
     failed: Search,
     initial: Floats,
+    begin: Callable[[Sequence[GivenRecord]], Shooting],
     search: Callable[[Sequence[GivenRecord]], Search],
 ) -> dict[str, float]:
     """Gains with which a fit explains its records, by the names of the channels.
 
-    Empty where the fit does so already, or where no gains do. ``search`` looks for the minimum of
-    other records from one start.
+    Empty where the fit does so already, or where no gains do. ``begin`` makes the equations of
+    other records, and ``search`` looks for their minimum from one start.
     """
     if failed.best.closed and _explains(failed, _LITTLE):
         return {}
     tried = _with_gains(records, failed.shooting, initial)
     if tried is None:
-        return {}
+        return _usual_gains(records, failed.shooting, initial, begin, search)
     found = search(tried)
     if not (found.best.closed and _explains(found, _MOST)):
         return {}
@@ -63,6 +71,65 @@ def explaining_gains(
         for name, value in estimates.items()
         if name.endswith(" gain")
     }
+
+
+def _usual_gains(
+    records: Sequence[GivenRecord],
+    shooting: Shooting,
+    initial: Floats,
+    begin: Callable[[Sequence[GivenRecord]], Shooting],
+    search: Callable[[Sequence[GivenRecord]], Search],
+) -> dict[str, float]:
+    """A usual factor between units by which a fit explains its records; empty where none does."""
+    if not _is_at_rest(shooting, initial):
+        return {}
+    noise = np.array([channel.noise.guess for channel in shooting.channels])
+    looked = []
+    for factor in sorted({each for exact in _FACTORS for each in (exact, 1.0 / exact)}):
+        scaled = _scaled(records, factor)
+        if scaled != list(records):
+            looked.append((misfit_of_start(begin(scaled), initial, noise, 0), factor))
+    for misfit, factor in sorted(looked)[:_TRIED]:
+        if not np.isfinite(misfit):
+            break
+        found = search(_scaled(records, factor))
+        if found.best.closed and _explains(found, _MOST):
+            return {
+                channel.name: factor * channel.gain.guess
+                for each in records
+                for channel in each.channels
+                if _may_be_scaled(channel)
+            }
+    return {}
+
+
+def _is_at_rest(shooting: Shooting, initial: Floats) -> bool:
+    """Whether the motion of the model stays where it begins, so that it has no size."""
+    if not shooting.set_up(shooting.head_of(shooting.guess())):
+        return False
+    spreads = [
+        spread
+        for k in range(len(shooting.records))
+        for spread in _spreads_of_model(shooting, k, initial).values()
+    ]
+    return bool(spreads) and max(spreads) == 0.0
+
+
+def _may_be_scaled(channel: ObservedChannel) -> bool:
+    return not (channel.shows_events or channel.gain.is_free)
+
+
+def _scaled(records: Sequence[GivenRecord], factor: float) -> list[GivenRecord]:
+    """Records whose gains are so many times as large, but for those that are found."""
+
+    def scaled(channel: ObservedChannel) -> ObservedChannel:
+        value = factor * channel.gain.guess
+        wanted = channel._replace(gain=Range(value, value, value))
+        return wanted if _may_be_scaled(channel) else channel
+
+    return [
+        each._replace(channels=[scaled(channel) for channel in each.channels]) for each in records
+    ]
 
 
 def _explains(found: Search, share: float) -> bool:
@@ -101,7 +168,13 @@ def _spreads_of_model(shooting: Shooting, k: int, initial: Floats) -> dict[str, 
     flights = record.flights
     seen = record.observation.look(flight.samples, flights.window, flights.values, record.step)
     later = seen.values[:, _SAMPLES // 2 :]
-    return {one.name: float(np.std(row)) for one, row in zip(sampled, later, strict=True)}
+    spreads = np.std(later, axis=1)
+    turns = record.ways_of_turns(flight.samples)
+    for k, one in enumerate(sampled):
+        if turns[k] > 0.0 and one.is_within(one.extent):
+            # the record jumps back, and a turn is as wide as it; the angle of the model goes on
+            spreads[k] = one.spread * turns[k] / one.extent
+    return {one.name: float(each) for one, each in zip(sampled, spreads, strict=True)}
 
 
 def _with_gain(channel: ObservedChannel, spread: float) -> ObservedChannel:

@@ -23,6 +23,7 @@ __all__ = ["MotionSamples", "Observation", "Observed"]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
+_ROUNDING = 1e-12  # of a quantity, that its change over a turn may differ by
 _STEP = 6e-6  # cube root of the rounding unit: errors of rounding and of the step are alike
 
 
@@ -102,6 +103,34 @@ class Observation:
             rates = np.stack([found[name][:count] for name in self.rate_names], axis=-1)
             in_time = by[-1] + np.einsum("ckn,kn->ck", by_state, rates)
         return Observed(shaped[:, 0], by_state, by_parameter, in_time)
+
+    def turns(
+        self, samples: MotionSamples, window: float, values: Mapping[str, float], periods: Floats
+    ) -> Floats:
+        """How far each quantity goes while an angle goes on by its period, (C,).
+
+        Zero where it comes back, as a sine does, and where that depends on the state. Of several
+        angles the shortest way counts.
+
+        shapes: periods (n,), zero of states that are no angles
+        """
+        found = np.zeros(len(self.names))
+        for i in np.flatnonzero(periods).tolist():
+            states = np.concatenate(
+                [samples.states, samples.states + periods * np.eye(periods.size)[i]]
+            )
+            number, modes = np.tile(samples.number, 2), np.tile(samples.modes, 2)
+            phase = np.tile(samples.phase, 2)
+            constants = {name: np.full(phase.size, value) for name, value in values.items()}
+            clock = SweptClock(number, phase, np.full(phase.size, window), constants)
+            seen = output_values(self.system, clock, states.T, modes)
+            here, there = np.split(np.stack([seen[name] for name in self.names]), 2, axis=1)
+            change, size = there - here, np.abs(here).max(axis=1) + np.abs(there).max(axis=1)
+            way = np.abs(change.mean(axis=1))
+            steady = np.ptp(change, axis=1) <= _ROUNDING * size
+            way = np.where(steady & (way > _ROUNDING * size), way, 0.0)
+            found = np.where((found == 0.0) | ((way > 0.0) & (way < found)), way, found)
+        return found
 
 
 def _new_name(name: str, taken: set[str]) -> str:

@@ -28,6 +28,7 @@ from nonsmooth.fitting.residuals import (
     joined,
     no_residuals,
 )
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
 
 __all__ = ["RecordEquations"]
@@ -38,6 +39,7 @@ Integers = npt.NDArray[np.int64]
 NO_SHIFT = Range(0.0, 0.0, 0.0)
 _NUISANCES = ("gain", "offset", "delay")
 _PASSES = 4  # of a cycle: each mode of two, as those of a latch, twice
+_LOOKS = 16  # samples at which it is seen how far a quantity goes in a turn of an angle
 _INSTANT = 1e-12  # of a cycle: samples that lie closer after folding are at one instant
 
 
@@ -86,6 +88,8 @@ class RecordEquations:
         # the mode in which the one before has ended
         self.own_modes: dict[int, int] = {}
         self._plans: list[SegmentData] | None = None
+        self._turns: Floats | None = None
+        self.angle_periods = periods_of_states(system)
 
     @property
     def n_segments(self) -> int:
@@ -279,6 +283,7 @@ class RecordEquations:
             return no_residuals(self.h, self.n, 0)
         values = self.flights.values
         seen = self.observation.look(samples, self.flights.window, values, self.step)
+        turns = self._turns_of_channels(samples)
         first = np.cumsum([0, *(plan.times.size for plan in plans)])
         at = np.concatenate([plan.instant + first[i] for i, plan in enumerate(plans)])
         of = np.concatenate([plan.channel for plan in plans])
@@ -289,6 +294,9 @@ class RecordEquations:
             for key in _NUISANCES
         )
         weight = gain / noise[of]
+        data = np.concatenate([plan.data for plan in plans])
+        apart = gain * seen.values[row, at] + offset - data
+        over = whole_turns(apart, np.abs(gain) * turns[row])
         moved = np.einsum("kn,knc->kc", seen.by_state[row, at], columns)
         by_head = np.zeros((at.size, self.h))
         by_head[:, : self.p] = moved[:, self.n :] + seen.by_parameter[row, at]
@@ -297,15 +305,13 @@ class RecordEquations:
             own = of == c if c >= 0 else np.ones(of.size, bool)
             here = row[own], at[own]
             if key in ("gain", "offset"):
-                by = seen.values[here] if key == "gain" else 1.0
+                by = seen.values[here] - (over / gain)[own] if key == "gain" else 1.0
                 by_head[own, k] = by / noise[c]
             else:
                 by = weight[own] * seen.in_time[here]
                 by_head[own, k] = by if key == "shift" else -by
-        data = np.concatenate([plan.data for plan in plans])
-        residual = (gain * seen.values[row, at] + offset - data) / noise[of]
         return no_residuals(self.h, self.n, 0)._replace(
-            residual=residual,
+            residual=(apart - over) / noise[of],
             head=by_head,
             state=moved[:, : self.n] * weight[:, None] * self.scales,
             channel=of,
@@ -313,6 +319,28 @@ class RecordEquations:
             segment=np.repeat(segments, [plan.channel.size for plan in plans]),
             matched=np.ones(of.size, bool),
         )
+
+    def _turns_of_channels(self, samples: MotionSamples) -> Floats:
+        """The way of each sampled quantity over one turn, where whole turns of it do not count.
+
+        So it is where a sensor gives an angle within one turn, and where a motion repeats itself up
+        to whole turns. Otherwise data go on with the angle, and how far they go counts.
+        """
+        if self._turns is None:
+            turns = self.ways_of_turns(samples)
+            counts = [
+                self.is_cycle or self.channels[c].is_within(abs(self.channels[c].gain.guess) * turn)
+                for c, turn in zip(self._sampled, turns, strict=True)
+            ]
+            self._turns = np.where(counts, turns, 0.0)
+        return self._turns
+
+    def ways_of_turns(self, samples: MotionSamples) -> Floats:
+        """How far each sampled quantity goes while an angle turns once, zero of others."""
+        at = np.unique(np.linspace(0, samples.phase.size - 1, _LOOKS).astype(int))
+        some = MotionSamples(*(each[at] for each in samples))
+        flights = self.flights
+        return self.observation.turns(some, flights.window, flights.values, self.angle_periods)
 
     def _of_events(
         self, m: int, flight: Flight, plan: SegmentData, head: Floats, noise: Floats

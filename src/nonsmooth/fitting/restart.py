@@ -25,7 +25,10 @@ Floats = npt.NDArray[np.float64]
 Entry = dict[str, Any]
 
 _NEEDED = ("estimate", "noise", "measured", "segment_record", "segment_time", "segment_state")
-_SENSOR = ("name", "text", "gain", "offset", "delay", "noise", "shows_events")
+_SENSOR = (
+    *("name", "text", "gain", "offset", "delay", "noise"),
+    *("shows_events", "extent", "jump"),
+)
 
 
 def restart_text(shooting: Shooting) -> str:

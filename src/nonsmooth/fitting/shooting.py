@@ -2,10 +2,10 @@
 
 Each record is cut into segments. The state at the start of each segment is unknown, so each run is
 short and an error of the parameters cannot grow over the whole record, nor can a chaotic motion
-lose it. That the end of a segment is the start of the next one is an equation, which the solver
-brings to hold (`nonsmooth.fitting.solver`). In the end a segment also begins in the mode in which
-the one before has ended, which counts where its state fits several modes. The last segment of a
-steady motion ends where the first one begins.
+lose it. That the end of a segment is the start of the next one, up to whole turns of angles, is an
+equation, which the solver brings to hold (`nonsmooth.fitting.solver`). In the end a segment also
+begins in the mode in which the one before has ended, which counts where its state fits several
+modes. The last segment of a steady motion ends where the first one begins.
 
 Unknowns are counted in units of their ranges: first the head, which has the parameters and what is
 free of the sensors, then the states of all segments. Records share the entries of the head but for
@@ -24,6 +24,7 @@ from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.fitting.channels import Range
 from nonsmooth.fitting.record_equations import RecordEquations
 from nonsmooth.fitting.residuals import Residuals, joined
+from nonsmooth.runs.whole_turns import whole_turns
 
 __all__ = ["Evaluation", "Shooting"]
 
@@ -315,6 +316,7 @@ class Shooting:
         columns = np.array([flight.columns[-1] for flight in followed])
         columns = columns.reshape(-1, self.n, self.n + self.p) / unit[:, None]
         starts = np.roll(states, -1, axis=0)[: record.n_gaps]
+        ends -= whole_turns(ends - starts, record.angle_periods)
         by_own = np.zeros((len(ends), self.n, record.h))
         by_own[:, :, : self.p] = columns[:, :, self.n :]
         return Evaluation(

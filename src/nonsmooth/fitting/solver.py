@@ -21,11 +21,20 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares
 
-from nonsmooth.fitting.beginning import first_states
+from nonsmooth.fitting.beginning import first_states, sizes_of_states
 from nonsmooth.fitting.linearised import gap_matrix, spent_on
 from nonsmooth.fitting.shooting import Evaluation, Shooting
 
-__all__ = ["LOSSES", "Fitted", "close_gaps", "height", "minimise", "solve_from"]
+__all__ = [
+    "LOSSES",
+    "Fitted",
+    "close_gaps",
+    "height",
+    "minimise",
+    "misfit_of_start",
+    "prepare",
+    "solve_from",
+]
 
 Floats = npt.NDArray[np.float64]
 
@@ -256,6 +265,31 @@ def height(fitted: Fitted) -> float:
     counts = np.bincount(rows.channel[rows.matched], minlength=fitted.noise.size)
     matched = fitted.cost - fitted.unmatched.cost + float(counts @ np.log(fitted.noise))
     return matched + fitted.unmatched.height
+
+
+def prepare(shooting: Shooting, values: Floats, initial: Floats) -> bool:
+    """Take parameters, a limit of work and sizes of states; whether the system admits them."""
+    if not shooting.set_up(shooting.head_of(values)):
+        return False
+    for each in shooting.records:
+        each.limit_work(initial)
+    largest = np.max([sizes_of_states(each, initial) for each in shooting.records], axis=0)
+    shooting.scale_states(np.where(largest > 0.0, largest, 1.0))
+    return True
+
+
+def misfit_of_start(shooting: Shooting, initial: Floats, noise: Floats, seed: int) -> float:
+    """Mean square of data and gaps where each segment is fitted by itself, before any search."""
+    values = shooting.guess()
+    if not prepare(shooting, values, initial):
+        return np.inf
+    states = _first_states(shooting, values, initial, noise, seed)
+    if states is None:
+        return np.inf
+    found = shooting.evaluate(shooting.join(shooting.head_of(values), states), noise)
+    if found is None:
+        return np.inf
+    return float(np.mean(found.rows.residual**2) + np.mean(found.gap**2 if found.gap.size else 0.0))
 
 
 def solve_from(

@@ -25,7 +25,12 @@ from nonsmooth.periodic_orbits.branch_part import (
 from nonsmooth.periodic_orbits.branch_start import tangent_at
 from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word, what_of
 from nonsmooth.periodic_orbits.cycle_end import boundary_of_cycles, end_of_cycles, is_nothing
-from nonsmooth.periodic_orbits.cycle_plane import direction_on, is_flat, on_new_plane
+from nonsmooth.periodic_orbits.cycle_plane import (
+    direction_on,
+    is_flat,
+    on_new_plane,
+    on_plane_of,
+)
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError, Legs
@@ -478,10 +483,14 @@ def _follow(
     least = np.zeros(legs.n) if options.autonomous else _LEAST * first
     while done < options.steps:
         if start.equations.is_smooth_cycle:
-            start = _on_new_plane(options, legs, start)
+            laid = _on_new_plane(options, legs, start)
+            here = laid if start is home else _on_plane_of(options, legs, home, laid)
+            start = laid
+        else:
+            here = home
         trail.begin()
         stretch = BranchStretch(options, legs, start.equations, start.grows, least, trail)
-        walk = _StretchWalk(stretch, start, along, spread, home)
+        walk = _StretchWalk(stretch, start, along, spread, here)
         for part in walk.points(options.steps - done, partial(_report, report, done)):
             if change is not None:
                 yield change[0]
@@ -542,6 +551,27 @@ def _on_new_plane(options: BranchOptions, legs: Legs, start: BranchStart) -> Bra
     tangent = tangent_at(equations, start.unknowns)
     direction = direction_on(equations, start.unknowns, tangent, start.direction)
     return replace(start, equations=equations, direction=direction)
+
+
+def _on_plane_of(
+    options: BranchOptions, legs: Legs, home: BranchStart, start: BranchStart
+) -> BranchStart:
+    """Where a branch of cycles began, on the plane of a later start; that itself where it cannot.
+
+    So the branch is seen to be closed on whatever plane it comes back.
+    """
+    if not home.equations.is_smooth_cycle:
+        return start
+    BranchStretch(options, legs, start.equations).set_parameter(home.value)
+    try:
+        unknowns = on_plane_of(start.equations, home.equations, home.unknowns)
+    except LegError:
+        return start
+    if unknowns is None:
+        return start
+    tangent = tangent_at(start.equations, unknowns)
+    direction = direction_on(start.equations, unknowns, tangent, home.direction)
+    return replace(home, equations=start.equations, unknowns=unknowns, direction=direction)
 
 
 def _report(report: Callable[[int], None], before: int, done: int) -> None:

@@ -12,13 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.periodic_orbits.equations import OrbitEquations
-from nonsmooth.periodic_orbits.newton import scale_of
+from nonsmooth.periodic_orbits.newton import scale_of, solve_orbit
 from nonsmooth.periodic_orbits.word import Word
 
 __all__ = [
     "direction_on",
     "is_flat",
     "on_new_plane",
+    "on_plane_of",
     "spread_of",
     "spread_of_cycle",
     "states_of_cycle",
@@ -70,6 +71,29 @@ def on_new_plane(equations: OrbitEquations, unknowns: Floats) -> OrbitEquations:
     if np.linalg.norm(normal) < _ACROSS * np.linalg.norm(flow):
         normal = flow
     return equations.across(turn.states[0], normal / spread)
+
+
+def on_plane_of(
+    equations: OrbitEquations, other: OrbitEquations, unknowns: Floats
+) -> Floats | None:
+    """A cycle of other equations as one that begins on the plane of these; None where it does not.
+
+    Where it passes the plane several times in the sense of the flow there, it is the passage that
+    is nearest to where the plane was laid. The legs stand for the parameters of the cycle.
+    """
+    assert equations.reference is not None  # every plane is laid through one
+    states = states_of_cycle(other, unknowns)
+    height = (states - equations.reference) @ equations.normal
+    behind = np.roll(height, -1)
+    passes = np.flatnonzero((height <= 0.0) & (behind > 0.0))
+    if not passes.size:
+        return None
+    share = (-height[passes] / (behind[passes] - height[passes]))[:, None]
+    there = states[passes] + share * (np.roll(states, -1, axis=0)[passes] - states[passes])
+    away = np.linalg.norm((there - equations.reference) / spread_of(states), axis=1)
+    guess = np.append(there[np.argmin(away)], unknowns[other.legs.n :])
+    found = solve_orbit(equations, guess)
+    return found.unknowns if found.status == "completed" else None
 
 
 def is_flat(equations: OrbitEquations, unknowns: Floats) -> bool:

@@ -110,6 +110,10 @@ class OrbitEquations:
         Those behind events up to a time ``ahead``.
         """
         legs = np.searchsorted(turn.instants[1:-1], times + ahead, side="right")
+        return self.states_in_legs(turn, legs, times)
+
+    def states_in_legs(self, turn: Turn, legs: npt.NDArray[np.intp], times: Floats) -> Floats:
+        """States at some times, each within a leg of an orbit, (K, n)."""
         word = Word(tuple(self.word.modes[k] for k in legs), ((),) * times.size)
         found = self.legs.follow_each(word, turn.states[legs], turn.instants[legs], times)
         return found.ends.copy()

@@ -1,8 +1,10 @@
-"""Where an event passes a strobe within the turn of a driven orbit of several periods.
+"""Where an event passes a strobe within the turn of an orbit.
 
 The states at that strobe jump there, although nothing happens to the orbit. So the orbit at which
-the event is just at the strobe is told twice: with the state before the event, and behind it. At
-the section, where the turn begins, the word changes, and both stretches have a point there anyway.
+the event is just at the strobe is told twice: with the state before the event, and behind it. A
+driven orbit begins at a strobe. If an event passes that one, the word changes, and both stretches
+have a point there anyway. Where a clock among the states shows the phase, orbits begin at an event,
+and it may pass a strobe like any other.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from scipy.optimize import brentq
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic_orbits.branch_tests import Looked
-from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.stretch import BranchStretch
@@ -26,6 +28,8 @@ __all__ = ["orbits_at_strobes"]
 
 Floats = npt.NDArray[np.float64]
 
+_NEAR = 0.25  # of a period: events that are farther from a strobe do not pass it in one step
+_STAYS = 1e-9  # of a period, within which an event stays at a strobe
 _ROUNDING = 1e-14  # part of the way between two orbits
 
 
@@ -43,7 +47,9 @@ def orbits_at_strobes(
 ) -> list[tuple[Point, Looked]]:
     """Orbits between two of one word at which an event is at a strobe, in order, each twice."""
     equations = stretch.equations
-    if equations.autonomous or equations.period == 1 or equations.word.n_events == 0:
+    if equations.autonomous:
+        return _at_strobes_of_clock(stretch, before, after)
+    if equations.period == 1 or equations.word.n_events == 0:
         return []
     first, last = _ahead(before[1]), _ahead(after[1])
     passages = []
@@ -63,6 +69,60 @@ def orbits_at_strobes(
         except LegError:
             continue
     return told
+
+
+def _at_strobes_of_clock(
+    stretch: BranchStretch, before: tuple[Point, Looked], after: tuple[Point, Looked]
+) -> list[tuple[Point, Looked]]:
+    """The same where a clock shows the phase."""
+    equations = stretch.equations
+    if not (before[1].strobes.times.size == after[1].strobes.times.size > 0):
+        return []
+    first, last = (
+        _ahead_by_clock(equations, looked.turn, looked.strobes.times)
+        for looked in (before[1], after[1])
+    )
+    near = _NEAR * equations.legs.window
+    crossed = (first * last < 0.0) & (np.maximum(np.abs(first), np.abs(last)) < near)
+    # a clock that is set back at each strobe stays there but for rounding, and another event comes
+    # there where the word changes
+    crossed &= np.minimum(np.abs(first), np.abs(last)) > _STAYS * equations.legs.window
+    found = [
+        _passage(stretch, before[0], after[0], event, -1)
+        for event in np.flatnonzero(crossed).tolist()
+    ]
+    told = []
+    for event, one in zip(np.flatnonzero(crossed).tolist(), found, strict=True):
+        if one is None:
+            continue
+        try:
+            looked = stretch.look(one.point)
+        except LegError:
+            continue
+        turn, times = looked.turn, looked.strobes.times
+        away = _nearest(times - turn.instants[event], turn)
+        strobe = int(np.argmin(np.abs(away)))
+        told += [
+            (one.share, one.point, replace(looked, strobes=strobes))
+            for behind in (one.behind, not one.behind)
+            for strobes in [strobes_of(equations, turn, {strobe: behind})]
+        ]
+    return [(point, looked) for _, point, looked in sorted(told, key=lambda each: each[0])]
+
+
+def _ahead_by_clock(equations: OrbitEquations, turn: Turn, times: Floats) -> Floats:
+    """By how much the nearest strobe comes behind each event, (legs,); nan where none is."""
+    away = _nearest(times[None, :] - turn.instants[:-1, None], turn)
+    found = away[np.arange(len(away)), np.argmin(np.abs(away), axis=1)]
+    if not equations.word.closes_at_event:
+        found[0] = np.nan
+    return found
+
+
+def _nearest(changes: Floats, turn: Turn) -> Floats:
+    """Changes of time without whole turns."""
+    length = float(turn.instants[-1] - turn.instants[0])
+    return np.asarray(changes - length * np.rint(changes / length))
 
 
 def _in_order(passages: list[_Passage]) -> list[_Passage]:
@@ -94,6 +154,11 @@ def _passage(
             raise LegError("there is no orbit between two of the branch")
         found[share] = solution.unknowns
         turn = equations.unpack(solution.unknowns)
+        if equations.autonomous:
+            times = strobes_of(equations, turn).times
+            if not times.size:
+                raise LegError("a clock shows no strobes between two orbits of the branch")
+            return float(_ahead_by_clock(equations, turn, times)[event])
         return float(_strobe(equations, strobe) - turn.instants[event + 1])
 
     try:

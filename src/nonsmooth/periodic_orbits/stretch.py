@@ -151,12 +151,8 @@ class BranchStretch:
             largest_step=self.options.largest_step, bounds=self.options.bounds, steps=steps,
             tests=self.asked, scale=self.scale, parameter_scale=high - low, accept=accept,
         )  # fmt: skip
-        # cycles without events may begin on another plane, where home has other unknowns
-        if (
-            home is not start
-            and home.equations.word == self.equations.word
-            and not self.equations.is_smooth_cycle
-        ):
+        # of cycles without events it is told on the plane of this stretch
+        if home is not start and home.equations.word == self.equations.word:
             branch.begun_at(home.unknowns, home.value, home.direction)
         return branch
 

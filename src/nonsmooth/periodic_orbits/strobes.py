@@ -43,12 +43,12 @@ def strobes_of(
 ) -> Strobes:
     """Strobes of an orbit, none where it has no phase to take them at.
 
-    ``behind`` tells of later strobes of a driven orbit, by their numbers, on which side of an
-    event they lie that is just there.
+    ``behind`` tells of later strobes of a driven orbit, or of any of one with a clock, by their
+    numbers, on which side of an event they lie that is just there.
     """
     window = equations.legs.window
     if equations.autonomous:
-        return _of_clock(equations, turn)
+        return _of_clock(equations, turn, behind or {})
     times = turn.instants[0] + window * np.arange(equations.period)
     if equations.period == 1:
         return Strobes(times, turn.states[:1])
@@ -61,7 +61,7 @@ def strobes_of(
     return Strobes(times, np.concatenate([turn.states[:1], later]))
 
 
-def _of_clock(equations: OrbitEquations, turn: Turn) -> Strobes:
+def _of_clock(equations: OrbitEquations, turn: Turn, behind: Mapping[int, bool]) -> Strobes:
     """Strobes where a clock of the system shows the phase, none without such a clock."""
     system, period = equations.legs.system, equations.legs.window
     turns = float(turn.instants[-1] - turn.instants[0]) / period
@@ -82,8 +82,31 @@ def _of_clock(equations: OrbitEquations, turn: Turn) -> Strobes:
         # a strobe at a reset holds the state before it, as a sample of a run does
         wait -= np.ceil(wait - _AT_STROBE) - 1.0
         times = turn.instants[0] + (wait + np.arange(count)) * period
-        return Strobes(times, equations.states_along(turn, times, -_AT_STROBE * period))
+        sides = np.full(count, -_AT_STROBE * period)
+        for number, is_behind in behind.items():
+            sides[number] = _AT_STROBE * period if is_behind else -_AT_STROBE * period
+        # behind the event with which the turn begins is its beginning, and no more its end
+        over = (times + sides >= turn.instants[-1]) & (sides > 0.0)
+        times = np.where(over, turn.instants[0], times)
+        legs = np.searchsorted(turn.instants[1:-1], times + sides, side="right")
+        for tick in _ticks(back, count):
+            at = np.abs(times - turn.instants[tick]) <= _AT_STROBE * period
+            at[list(behind)] = False
+            # events at the same instant are before the tick or behind it, as the word says
+            legs[at] = tick - 1
+        states = equations.states_in_legs(turn, legs, times)
+        order = np.argsort(times, kind="stable")
+        return Strobes(times[order], states[order])
     return NO_STROBES
+
+
+def _ticks(back: Floats, count: int) -> list[int]:
+    """Numbers of the instants at which a clock is set back, that of the end among them.
+
+    ``back`` says of each leg how many periods the clock is behind, without these of the turn.
+    """
+    behind = np.append(np.rint(back), count)
+    return [k for k in range(1, behind.size) if behind[k] > behind[k - 1]]
 
 
 def _first_value(system: System, state: str, values: Mapping[str, float]) -> float:

@@ -145,6 +145,7 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
         before = (k - 1) % len(equations.word)
         too_long = len(equations.word.paths[before] + equations.word.paths[k]) > PATH_LENGTH
         first = [] if too_long else [_without_leg(equations, turn, k)]
+        first = _in_other_order(equations, turn, k) + first
         return first + _at_walls(wall_before_surface(equations, turn, k))
     if kind == "gain":
         return [_with_leg_of_path(equations, turn, k, int(numbers[1]))]
@@ -232,6 +233,36 @@ def _without_leg(equations: OrbitEquations, turn: Turn, k: int) -> Change:
         grows = _entry_test(wiring, place, mode, paths[before], word.modes[k])
     guess = Guess(new, Turn(turn.states[keep], instants))
     return Change(kind or "lost", guess, grows)
+
+
+def _in_other_order(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
+    """The events before and behind leg k, which lasts no time, change places.
+
+    Where each leads back to its mode, and both orders lead to the same state: the tick of a clock
+    and an impact, or impacts of two bodies. Nothing happens to the orbit there.
+    """
+    if equations.word.closes_at_event:
+        word, turn, k = _away_from_ends(equations, turn, k)
+    else:
+        word = equations.word
+    if not 0 < k < len(word) - (not word.closes_at_event):
+        return []
+    wiring, mode, paths = equations.legs.tables.wiring, word.modes[k], list(word.paths)
+    first, second = paths[k - 1], paths[k]
+    alone = len(first) == len(second) == 1 and first != second and word.modes[k - 1] == mode
+    if not alone or any(
+        int(wiring.exits["target"][mode, path[0]]) != mode for path in (first, second)
+    ):
+        return []
+    paths[k - 1], paths[k] = second, first
+    new, states = Word(word.modes, tuple(paths)), turn.states.copy()
+    before = equations.legs.follow(word, turn.states, turn.instants).nexts[k].copy()
+    states[k] = equations.legs.follow(new, turn.states, turn.instants).nexts[k - 1]
+    behind = equations.legs.follow(new, states, turn.instants).nexts[k].copy()
+    sizes = np.abs(turn.states).max(axis=0)
+    if np.any(np.abs(behind - before) > _GONE * sizes):
+        return []
+    return [Change("section", Guess(new, Turn(states, turn.instants)), f"leg:{k}")]
 
 
 def _entry_test(wiring: Wiring, place: int, mode: int, path: tuple[int, ...], beyond: int) -> str:

@@ -94,6 +94,7 @@ _FEWEST = 5  # points of a curve that may be rounded: fewer say little of how it
 _NEITHER = -1  # exactly where a change happens
 _JUMPS = -2  # no line leads on: an impact passes the section, and states there jump
 _JUMP = 3.0  # times the change of a value before and behind a jump
+_SAME_VALUE = 1e-12  # of the largest value of a parameter: orbits at such a distance are one
 _AT_STROBE = 1e-9  # periods within which an event is at a strobe
 
 
@@ -372,7 +373,8 @@ def event_passes_strobe(branch: xr.Dataset, turn: int = 0) -> npt.NDArray[np.boo
     """Whether an event passes the phase of a strobe between each point and the next one.
 
     The first event is the last one of the turn behind it, or the last one the first: all events
-    are nearer to those before if they are counted from the next one. Orbits of several periods
+    are nearer to those before if they are counted from the next one. Cycles with a clock begin at
+    any event, and their first strobe may be that of the end before. Orbits of several periods
     have a strobe in each, which an event may pass without passing the first one. An orbit at which
     an event is just at the strobe stands twice in a branch, and the event passes between the two;
     where it stands once, the event counts as on either side of the strobe.
@@ -383,25 +385,43 @@ def event_passes_strobe(branch: xr.Dataset, turn: int = 0) -> npt.NDArray[np.boo
     share, counts, by_clock = _since_strobe(branch)
     number = np.isfinite(share).sum(axis=1)
     alike = (number[:-1] == number[1:]) & (number[1:] > 0) & (counts[:-1] == counts[1:])
+    same = _stands_twice(branch)
     for k in np.flatnonzero(alike):
         count = counts[k]
         one, other = share[k, : number[k]], share[k + 1, : number[k]]
-        counted = (
-            other,
-            np.append(other[1:], other[0] + count),
-            np.append(other[-1] - count, other[:-1]),
+        most = int(number[k]) if by_clock else 1
+        ways = range(-most, most + 1)
+        near = min(
+            (_counted_from(other, way, count) for way in ways),
+            key=lambda each: float(np.abs(each - one).sum()),
         )
-        near = min(counted, key=lambda each: float(np.abs(each - one).sum()))
         strobe = np.ceil(np.minimum(one, near) - _AT_STROBE)
         there = (strobe <= np.maximum(one, near) + _AT_STROBE) & (strobe % count == turn)
         at_one, at_near = np.abs(np.array([one, near]) - strobe) <= _AT_STROBE
         passes[k] = np.any(there & ~at_one & ~at_near)
-        # what stays at the strobes of a clock is the clock itself
-        twice[k] = np.any(there & at_one & at_near) and not by_clock
+        # what stays at the strobes of a clock may be the clock itself, unless the orbit is the same
+        twice[k] = np.any(there & at_one & at_near) and (same[k] or not by_clock)
         begins[k], ends[k] = np.any(there & at_one), np.any(there & at_near)
     at_start = begins & ~ends & ~np.append(False, twice[:-1])
     at_end = ends & ~begins & ~np.append(twice[1:], False)
     return passes | twice | at_start | at_end
+
+
+def _counted_from(events: Floats, first: int, count: int) -> Floats:
+    """Events of a turn of so many periods counted from another one of them on, in order."""
+    if first < 0:
+        return np.concatenate([events[first:] - count, events[:first]])
+    return np.concatenate([events[first:], events[:first] + count])
+
+
+def _stands_twice(branch: xr.Dataset) -> npt.NDArray[np.bool_]:
+    """Whether each point and the next one are the same orbit, told from both sides of a strobe."""
+    name = str(branch.attrs.get("parameter", ""))
+    if name not in branch:
+        return np.zeros(max(branch.sizes["point"] - 1, 0), bool)
+    values = np.atleast_1d(branch[name].values)
+    step = np.abs(np.diff(values))
+    return np.asarray(step <= _SAME_VALUE * np.abs(values).max(initial=0.0))
 
 
 def _since_strobe(branch: xr.Dataset) -> tuple[Floats, npt.NDArray[np.int64], bool]:

@@ -11,6 +11,7 @@ from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend, with_former
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes, two_states
+from nonsmooth.plot.turns import Turns
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,6 +30,7 @@ def homoclinic_points(
     y: str | None = None,
     *,
     ax: Axes | None = None,
+    within_turn: bool = False,
     legend: bool = True,
 ) -> Axes:
     """Points in which an unstable manifold crosses a stable one.
@@ -42,6 +44,8 @@ def homoclinic_points(
     ax : matplotlib.axes.Axes, optional
         Where to draw, such as the axes of `nonsmooth.plot.manifold` with both curves; new axes of a
         column's width by default.
+    within_turn : bool, optional
+        Whether to draw angles within one turn, as in `nonsmooth.plot.manifold`.
     legend : bool, optional
         Whether to draw a legend.
 
@@ -78,20 +82,26 @@ def homoclinic_points(
         "crossing_angle", "sense", "orbit_number", "place", "images", "ahead", "position_error",
         "unstable_side", "stable_side", "orbit_point", "to_point",
     }  # fmt: skip
+    skipped |= {f"{name}_turns" for name in data.data_vars}
     known = [str(name) for name in data.data_vars if str(name) not in skipped]
     across, up = two_states(known, x, y)
+    own = ax is None
     ax = new_axes() if ax is None else ax
+    turns = Turns.of(data, (across, up), None if own else ax) if within_turn else Turns.none()
+    columns = turns.folded(data[across].values, data[up].values)
     senses = data["sense"].values
     names = ("crossings in one sense", "in the other")
     for sign, name, (marker, colour) in zip((1.0, -1.0), names, _LOOKS, strict=True):
         rows = np.flatnonzero(senses == sign)
         if rows.size:
             ax.plot(
-                data[across].values[rows], data[up].values[rows], linestyle="none", marker=marker,
+                columns[0][rows], columns[1][rows], linestyle="none", marker=marker,
                 markersize=_MARK, markerfacecolor=colour, markeredgecolor="black",
                 markeredgewidth=0.6, label=name, zorder=6,
             )  # fmt: skip
     finish_axes(ax, axis_label(data[across]), axis_label(data[up]))
+    if own:
+        turns.show(ax)
     if legend:
         place_legend(ax, with_former(ax))
     return ax

@@ -12,6 +12,7 @@ from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend, with_former
 from nonsmooth.plot.style import LINES, axis_label, finish_axes, two_states
+from nonsmooth.plot.turns import Turns
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,6 +37,7 @@ def manifold(
     *,
     ax: Axes | None = None,
     borders: bool = True,
+    within_turn: bool = False,
     legend: bool = True,
 ) -> Axes:
     """Curves of a manifold, with the orbit that they come from.
@@ -55,6 +57,10 @@ def manifold(
     borders : bool, optional
         Whether to mark corners by circles, and jumps by squares. Curves are interrupted at jumps
         either way.
+    within_turn : bool, optional
+        Whether to draw angles within one turn. It begins at the left or lower end of ``ax``, as of
+        a picture of basins, or half a turn below zero on new axes. Otherwise curves go on beyond a
+        turn as they are.
     legend : bool, optional
         Whether to draw a legend.
 
@@ -82,18 +88,21 @@ def manifold(
     own = ax is None
     ax = new_axes() if ax is None else ax
     label: str | None = f"{which} manifold"
+    turns = Turns.of(data, (across, up), None if own else ax) if within_turn else Turns.none()
     for columns in _curves(data, across, up):
-        ax.plot(*columns, **_LOOKS.get(which, LINES[0]), label=label, zorder=3)
+        ax.plot(*turns.cut_curve(*columns), **_LOOKS.get(which, LINES[0]), label=label, zorder=3)
         label = None
     if borders:
-        _mark_borders(ax, data, across, up)
+        _mark_borders(ax, data, turns.folded(data[across].values, data[up].values))
     orbit = data["saddle"]
     ax.plot(
-        orbit.sel(state=across), orbit.sel(state=up), linestyle="none", marker="D",
-        markersize=_MARK + 0.6, markerfacecolor="white", markeredgecolor="black",
-        markeredgewidth=0.9, label="orbit", zorder=4,
+        *turns.folded(orbit.sel(state=across).values, orbit.sel(state=up).values),
+        linestyle="none", marker="D", markersize=_MARK + 0.6, markerfacecolor="white",
+        markeredgecolor="black", markeredgewidth=0.9, label="orbit", zorder=4,
     )  # fmt: skip
     finish_axes(ax, axis_label(data[across]), axis_label(data[up]))
+    if own:
+        turns.show(ax)
     if legend:
         place_legend(ax, with_former(ax), may_grow=own)
     return ax
@@ -125,7 +134,7 @@ def _curves(data: xr.Dataset, across: str, up: str) -> list[tuple[Floats, Floats
     return found
 
 
-def _mark_borders(ax: Axes, data: xr.Dataset, across: str, up: str) -> None:
+def _mark_borders(ax: Axes, data: xr.Dataset, columns: tuple[Floats, Floats]) -> None:
     """Marks at the points of borders that are seen."""
     for kind, marker in _MARKS.items():
         at = data["border_point"].values[data["border_kind"].values == kind]
@@ -134,7 +143,7 @@ def _mark_borders(ax: Axes, data: xr.Dataset, across: str, up: str) -> None:
         if points.size:
             look = _LOOKS.get(str(data.attrs.get("which")), LINES[0])
             ax.plot(
-                data[across].values[points], data[up].values[points], linestyle="none",
-                marker=marker, markersize=_MARK, markerfacecolor="none",
-                markeredgecolor=look["color"], markeredgewidth=0.7, label=_NAMES[kind], zorder=4,
+                columns[0][points], columns[1][points], linestyle="none", marker=marker,
+                markersize=_MARK, markerfacecolor="none", markeredgecolor=look["color"],
+                markeredgewidth=0.7, label=_NAMES[kind], zorder=4,
             )  # fmt: skip

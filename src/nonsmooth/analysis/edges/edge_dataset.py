@@ -68,6 +68,7 @@ def edge_dataset(
         "point", np.array(known, labels.mode_type), labels.mode_flags("mode at the point"),
     )  # fmt: skip
     variables |= _of_set(chosen, straddle, found, points, tolerance)
+    variables |= _drift_of_set(chosen, found)
     variables |= {
         "track": (("iterate", "state"), track.points.reshape(-1, len(system.states)), {
             "long_name": "states along the border"}),
@@ -129,6 +130,18 @@ def _of_set(
         "deviation": ("state", points.std(axis=0) if len(points) else empty, {
             "long_name": "standard deviation over the points"}),
     }  # fmt: skip
+
+
+def _drift_of_set(chosen: Map, found: Edge) -> dict[str, Any]:
+    """How far drifts and angles of the saddle go in one iterate; nan of other sets."""
+    system = chosen.system
+    labels = labels_of(system)
+    variables = {}
+    for name in system.drift:
+        gone = np.nan if found.cycle is None else found.cycle.drift[system.states.index(name)]
+        label = labels.attributes(name)["long_name"]
+        variables[f"{name}_per_iterate"] = ((), gone, {"long_name": f"{label}, per iterate"})
+    return variables
 
 
 def _of_sides(straddle: Straddle, found: Edge, points: Floats) -> dict[str, Any]:

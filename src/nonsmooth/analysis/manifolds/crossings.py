@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from nonsmooth.analysis.manifolds.curve import Curve
 from nonsmooth.analysis.manifolds.manifold_dataset import CurveOfSide
 from nonsmooth.analysis.manifolds.passage import Passage
 from nonsmooth.analysis.manifolds.saddle import Saddle
+from nonsmooth.runs.whole_turns import periods_of_states
 
 __all__ = ["Curves", "ManifoldCrossing", "find_crossings"]
 
@@ -23,6 +25,7 @@ _AT_ONCE = 256  # pieces of one curve that are compared with all of the other
 _SAMPLES = 33  # places at which a sign is looked for beside a crossing of pieces
 _APART = ("jump", "end", "unresolved")  # borders over which a curve does not go on
 _SAME = 1e-9  # of a place: crossings that are one
+_ROUND = 1e-9  # of a turn, which rounding may put a curve beyond its end
 _SHARP = 3.0  # largest steps that a refined crossing lies from that of the pieces, at most
 
 
@@ -63,19 +66,42 @@ def find_crossings(unstable: Curves, stable: Curves) -> tuple[list[ManifoldCross
     lost = 0
     for i, out in enumerate(unstable.branches):
         for j, into in enumerate(stable.branches):
-            some, failed = _of_curves(unstable, stable, i, j, out, into)
-            found += some
-            lost += failed
+            for shift in _shifts(unstable, stable, out, into):
+                some, failed = _of_curves(unstable, stable, (i, j), (out, into), shift)
+                found += some
+                lost += failed
     return sorted(found, key=lambda each: (each.out, each.passage.images, each.place)), lost
 
 
+def _shifts(unstable: Curves, stable: Curves, out: CurveOfSide, into: CurveOfSide) -> list[Floats]:
+    """Whole turns of angles by which one curve lies, in part, beyond the other; (n,) each.
+
+    The stable manifold comes to each copy of its orbit, whole turns apart.
+    """
+    periods = periods_of_states(stable.saddle.chosen.system)
+    at = np.flatnonzero(periods)
+    if not at.size:
+        return [np.zeros(periods.size)]
+    own = unstable.saddle.points[out.number].here.coordinates.states(out.curve.points)[:, at]
+    other = stable.saddle.points[into.number].here.coordinates.states(into.curve.points)[:, at]
+    first = np.ceil((own.min(axis=0) - other.max(axis=0)) / periods[at] - _ROUND)
+    last = np.floor((own.max(axis=0) - other.min(axis=0)) / periods[at] + _ROUND)
+    found = []
+    for turns in product(*(np.arange(a, b + 1.0) for a, b in zip(first, last, strict=True))):
+        found.append(np.zeros(periods.size))
+        found[-1][at] = np.array(turns) * periods[at]
+    return found
+
+
 def _of_curves(
-    unstable: Curves, stable: Curves, i: int, j: int, out: CurveOfSide, into: CurveOfSide
-) -> tuple[list[ManifoldCrossing], int]:
-    """Crossings of one curve with another."""
+    unstable: Curves, stable: Curves, numbers: tuple[int, int],
+    curves: tuple[CurveOfSide, CurveOfSide], shift: Floats,
+) -> tuple[list[ManifoldCrossing], int]:  # fmt: skip
+    """Crossings of one curve with another, as far as that lies whole turns beside it."""
+    out, into = curves
     frame = stable.saddle.points[into.number].here.coordinates
     own = unstable.saddle.points[out.number].here.coordinates
-    points = frame.points(own.states(out.curve.points))
+    points = frame.points(own.states(out.curve.points) - shift)
     met = _meet(points, _cuts(out.curve), into.curve.points, _cuts(into.curve))
     # both begin at the saddle
     first = (out.curve.images[met.out + 1] == 0) & (into.curve.images[met.into + 1] == 0)
@@ -90,7 +116,7 @@ def _of_curves(
     for (count, ahead), members in groups.items():
         passage = Passage(
             unstable.saddle.points[out.number], out.first.side,
-            stable.saddle.points[into.number], count, ahead,
+            stable.saddle.points[into.number], count, ahead, shift,
         )  # fmt: skip
         chosen = np.array(members)
         low, high, expected = _brackets(out, unstable.saddle.multiplier, met, chosen)
@@ -98,8 +124,8 @@ def _of_curves(
         some = _refined(passage, low, high, expected)
         for place, width, close in zip(*some, near, strict=True):
             ends = out.first.length, into.first.side * into.first.length
-            one = _crossing(passage, (i, j), place, width, ends)
-            here = None if one is None else frame.points(one.state[None])[0]
+            one = _crossing(passage, numbers, place, width, ends)
+            here = None if one is None else frame.points(one.state[None] - shift)[0]
             if one is None or np.linalg.norm(here - close) > _SHARP * unstable.step:
                 lost += 1
             elif not any(_is_same(one, other) for other in found):

@@ -62,14 +62,22 @@ class Itineraries(NamedTuple):
 class LocalMap:
     """Applies the map of a saddle to points in `Coordinates`.
 
-    ``mode`` is that in which the origin lies; other points begin in the mode that fits.
+    ``mode`` is that in which the origin lies; other points begin in the mode that fits. ``turns``
+    is what angles of the orbit grow by in one application, (n,). It is taken off all images, so
+    that the orbit of a rotation is a fixed point and its curves go on without a jump.
     """
 
     def __init__(
-        self, chosen: Map, tolerance: float, coordinates: Coordinates, mode: int = ANY
+        self,
+        chosen: Map,
+        tolerance: float,
+        coordinates: Coordinates,
+        mode: int = ANY,
+        turns: Floats | None = None,
     ) -> None:
         self.chosen, self.coordinates, self._tolerance = chosen, coordinates, tolerance
         self._mode = mode
+        self.turns = np.zeros(len(coordinates.origin)) if turns is None else turns
         self._runner = chosen.runner(tolerance)
         self._imagings = {1: imaging_of(chosen, tolerance, _LONGEST)}
         self._keys: dict[str, int] = {}
@@ -88,7 +96,7 @@ class LocalMap:
             for _ in range(count):
                 states = self._images(states, 1).states
             return states
-        return self._runner.last(self._runner.start(states, ANY), count)[0]
+        return self._runner.last(self._runner.start(states, ANY), count)[0] - count * self.turns
 
     def after(self, points: Floats, count: int = 1) -> Floats:
         """Images of points after some applications; nan where there are none."""
@@ -108,7 +116,7 @@ class LocalMap:
     def derivative(self, state: Floats) -> tuple[Floats, Floats] | None:
         """Image of one state, and the derivative of the image; None where there is none."""
         found = self._runner.images(state, self._mode, 1)
-        return None if found is None else (found[0][-1], found[2])
+        return None if found is None else (found[0][-1] - self.turns, found[2])
 
     def itineraries(self, points: Floats, count: int = 1) -> Itineraries:
         """Images of points after some applications, with all that happens on the way."""
@@ -130,7 +138,8 @@ class LocalMap:
         for first in range(0, max(1, len(states)), _TOGETHER):
             some = states[first : first + _TOGETHER]
             parts.append(imaging.images(self._starts(some, begin)))
-        return parts[0] if len(parts) == 1 else _joined(parts)
+        whole = parts[0] if len(parts) == 1 else _joined(parts)
+        return whole._replace(states=whole.states - count * self.turns)
 
     @staticmethod
     def _starts(states: Floats, begin: Instant) -> SectionStarts:

@@ -47,6 +47,10 @@ def manifold_dataset(
     status = "completed" if complete else "interrupted"
     variables, coords = _over_points(saddle, branches)
     variables |= _over_borders(branches) | _over_curves(saddle, branches)
+    for name in system.angles:
+        turned = float(saddle.turns[system.states.index(name)]) / saddle.period
+        words = {"long_name": f"{name}, per iterate of the orbit"}
+        variables[f"{name}_per_iterate"] = ((), turned, words)
     words = {"long_name": "multipliers of the orbit, the largest first"}
     variables["multipliers"] = ("multiplier", saddle.multipliers, words)
     attrs = {

@@ -40,6 +40,7 @@ class Passage(NamedTuple):
     into: SaddlePoint  # of the stable manifold
     images: int  # applications of the map of the first saddle, up to the point
     ahead: int  # applications of that of the second one, from the point on
+    shift: Floats  # (n,) whole turns of angles by which the point lies beyond the stable curve
 
     def states(self, places: Floats) -> Floats:
         """States of the points that starts at some places lead to; (K,) to (K, n)."""
@@ -49,7 +50,7 @@ class Passage(NamedTuple):
 
     def across(self, places: Floats) -> Floats:
         """How far the points are across the stable direction in the end; nan where they end."""
-        here, states = self.into.here, self.states(places)
+        here, states = self.into.here, self.states(places) - self.shift
         if self.ahead:
             states = here.states_after(states, self.ahead)
         found: Floats = here.coordinates.points(states) @ self.into.leaving
@@ -57,7 +58,7 @@ class Passage(NamedTuple):
 
     def along(self, place: float) -> float:
         """How far along the stable direction the point of a place is in the end."""
-        here, states = self.into.here, self.states(np.array([place]))
+        here, states = self.into.here, self.states(np.array([place])) - self.shift
         if self.ahead:
             states = here.states_after(states, self.ahead)
         return float(here.coordinates.points(states)[0] @ self.into.dual)
@@ -108,7 +109,7 @@ class Passage(NamedTuple):
         if reached is None:
             return None
         begun = self.side * out.basis @ self.out.direction * out.scales
-        onward = _carried(self.into.here, reached[0], self.ahead)
+        onward = _carried(self.into.here, reached[0] - self.shift, self.ahead)
         if onward is None:
             return None
         active = frame.active
@@ -116,6 +117,18 @@ class Passage(NamedTuple):
         normal = (frame.basis @ self.into.leaving) / frame.scales
         normal = (normal @ onward[1][np.ix_(active, active)]) * frame.scales
         return frame.basis.T @ along, frame.basis.T @ normal
+
+    def later(self, more: int, ahead: int) -> Passage:
+        """The same passage, whose point is that of some applications later.
+
+        The point then lies beyond the stable curve by what that of the first orbit and that of the
+        second one turn less or more in these applications, which take both the same time.
+        """
+        out, into = self.out.here, self.into.here
+        apart = out.chosen.every / into.chosen.every * into.turns - out.turns
+        return self._replace(
+            images=self.images + more, ahead=ahead, shift=self.shift + more * apart
+        )
 
     def angle(self, place: float) -> tuple[float, float]:
         """Angle of both manifolds at a point, and the sense in which one crosses the other."""

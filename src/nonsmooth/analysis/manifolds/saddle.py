@@ -17,6 +17,7 @@ from nonsmooth.errors import OptionError, RunWarning, unknown_name
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.poincare_map import PoincareMap
+from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
 
 __all__ = ["Saddle", "SaddlePoint", "check_orbit", "check_plane", "find_saddle"]
@@ -48,6 +49,7 @@ class Saddle:
 
     chosen: Map  # the power of the map that fixes each point, applied twice where sides change
     period: int  # iterates of the map that was given, after which a point comes back
+    turns: Floats  # (n,) what angles grow by meanwhile, zero of other states
     flips: bool  # whether that turns the sides over, so that the map is applied twice
     multipliers: Complexes  # over one period, the largest first
     multiplier: float  # of the manifold, under ``chosen``
@@ -113,9 +115,10 @@ def find_saddle(
     whole = np.eye(active.size)
     frame = Coordinates(state, active, read_scales(system, active, scales), whole)
     near = LocalMap(chosen, tolerance, frame, mode)
-    period = _period(near, _longest(chosen, orbit))
+    angles = periods_of_states(system)
+    period, turns = _period(near, _longest(chosen, orbit), angles)
     power = chosen**period
-    turn = LocalMap(power, tolerance, frame, mode)
+    turn = LocalMap(power, tolerance, frame, mode, turns)
     origin, jacobian, residual = _fixed_point(turn)
     values, vectors = np.linalg.eig(jacobian)
     order = np.argsort(-np.abs(values), kind="stable")
@@ -125,22 +128,24 @@ def find_saddle(
     if which == "stable":
         flips |= bool(values[0].real < 0.0)
     if flips:
-        turn = LocalMap(power**2, tolerance, frame, mode)
+        turn = LocalMap(power**2, tolerance, frame, mode, 2.0 * turns)
     double = 2 if flips else 1
     origins = [origin]
     for _ in range(period - 1):
-        origins.append(near.states_after(origins[-1][None], 1)[0])
+        after = near.states_after(origins[-1][None], 1)[0]
+        origins.append(after - whole_turns(after - origin, angles))
     points = []
     for i, each in enumerate(origins):
         if i:
-            each, jacobian, left = _fixed_point(LocalMap(power, tolerance, frame, mode).at(each))
+            one = LocalMap(power, tolerance, frame, mode, turns).at(each)
+            each, jacobian, left = _fixed_point(one)
             residual = max(residual, left)
         points.append(_directed(turn.at(each), jacobian, which))
     rest = np.delete(np.abs(values), number) ** double
     others = rest.max(initial=0.0) if which == "unstable" else np.abs(values[0]) ** double
     return Saddle(
-        turn.chosen, period, flips, values, float(values[number].real) ** double, float(others),
-        tuple(points), residual,
+        turn.chosen, period, turns, flips, values, float(values[number].real) ** double,
+        float(others), tuple(points), residual,
     )  # fmt: skip
 
 
@@ -156,7 +161,10 @@ def _longest(chosen: Map, orbit: Any) -> int:
 
 
 def _first_point(chosen: Map, orbit: Any, tolerance: float) -> tuple[Floats, int]:
-    """A point of the orbit at the strobe or on the section, and its mode."""
+    """A point of the orbit at the strobe or on the section, and its mode.
+
+    Of the points that are whole turns apart it is the one nearest to where the orbit is given.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)  # what is missing is told below
         point = chosen.iterate(orbit, 1, tolerance=tolerance)
@@ -166,20 +174,23 @@ def _first_point(chosen: Map, orbit: Any, tolerance: float) -> tuple[Floats, int
             " section that the orbit passes"
         )
     state = np.array([float(point[name][0]) for name in chosen.system.states])
+    given = np.array([float(orbit[name]) for name in chosen.system.states])
+    state -= whole_turns(state - given, periods_of_states(chosen.system))
     mode = int(point["mode"][0])
     return state, mode if mode >= 0 else ANY
 
 
-def _period(near: LocalMap, longest: int) -> int:
-    """After how many iterates the first point comes back."""
+def _period(near: LocalMap, longest: int, angles: Floats) -> tuple[int, Floats]:
+    """After how many iterates the first point comes back, and after which whole turns."""
     states = first = near.coordinates.origin[None]
     size = 1.0 + np.abs(near.coordinates.points(first * 0.0)).max()
     for count in range(1, longest + 1):
         states = near.states_after(states, 1)
         if not np.isfinite(states).all():
             break
-        if np.abs(near.coordinates.points(states)).max() <= _SAME * size:
-            return count
+        turns = whole_turns(states - first, angles)
+        if np.abs(near.coordinates.points(states - turns)).max() <= _SAME * size:
+            return count, turns[0]
     raise OptionError(
         f"orbit: under this map its first point does not come back within {longest} iterates; give"
         " an orbit of the same system and parameters, found with find_orbit"

@@ -8,8 +8,7 @@ be a corner.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from itertools import pairwise
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +17,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.manifolds.crossings import ManifoldCrossing
 from nonsmooth.analysis.manifolds.passage import Passage
 from nonsmooth.analysis.manifolds.saddle import Saddle, SaddlePoint
+from nonsmooth.runs.whole_turns import periods_of_states
 
 __all__ = ["Both", "Bump", "Tangency", "bumps_of", "touch"]
 
@@ -50,6 +50,7 @@ class Bump(NamedTuple):
     into: int
     images: int
     ahead: int
+    turns: Floats  # whole turns of angles by which it lies beyond the stable curve, (n,)
     low: float  # places of the crossings, as of these images
     high: float
     way: float  # sign across the stable manifold between them
@@ -78,29 +79,52 @@ def bumps_of(found: list[ManifoldCrossing], both: Both) -> list[Bump]:
     points of one orbit the first pair alone is taken.
     """
     bumps: list[Bump] = []
-    for one, other in pairwise(found):
-        apart = (one.out, one.into) != (other.out, other.into)
-        if apart or one.sense * other.sense >= 0.0:
+    for one, other in _pairs(found, both):
+        if one.sense * other.sense >= 0.0:
             continue
         images = max(one.passage.images, other.passage.images) + 1
+        ahead = max(one.passage.ahead, other.passage.ahead)
+        passage = one.passage.later(images - one.passage.images, ahead)
         low, high = (
             each.place / both.out.multiplier ** (images - each.passage.images)
             for each in (one, other)
         )
-        ahead = max(one.passage.ahead, other.passage.ahead)
-        passage = one.passage._replace(images=images, ahead=ahead)
         middle = passage.across(np.array([0.5 * (low + high)]))[0]
         if not np.isfinite(middle) or middle == 0.0:
             continue
         out = both.out.points.index(passage.out)
         into = both.into.points.index(passage.into)
         bump = Bump(
-            out, passage.side, into, images, ahead, low, high, float(np.sign(middle)),
-            other.length, other.reach, _spread(passage.out, passage.out.direction),
+            out, passage.side, into, images, ahead, _counted(both, passage.shift), low, high,
+            float(np.sign(middle)), other.length, other.reach,
+            _spread(passage.out, passage.out.direction),
             _spread(passage.into, passage.into.leaving),
         )  # fmt: skip
         bumps.append(bump)
     return sorted(bumps, key=lambda each: (each.images + each.ahead, each.images))
+
+
+def _pairs(
+    found: list[ManifoldCrossing], both: Both
+) -> Iterator[tuple[ManifoldCrossing, ManifoldCrossing]]:
+    """Crossings in a row of one curve with another, and with one copy of it.
+
+    Copies of a stable curve that are whole turns of an angle apart are curves of their own.
+    """
+    last = max((each.passage.images for each in found), default=0)
+    before: dict[tuple[int, int, tuple[float, ...]], ManifoldCrossing] = {}
+    for each in found:
+        shift = each.passage.later(last - each.passage.images, each.passage.ahead).shift
+        key = each.out, each.into, tuple(_counted(both, shift).tolist())
+        if key in before:
+            yield before[key], each
+        before[key] = each
+
+
+def _counted(both: Both, shift: Floats) -> Floats:
+    """How many periods of each angle a shift is; the periods may depend on the parameter."""
+    periods = periods_of_states(both.into.chosen.system)
+    return np.rint(shift / np.where(periods > 0.0, periods, 1.0))
 
 
 def _spread(point: SaddlePoint, vector: Floats) -> Floats:
@@ -172,7 +196,8 @@ def _top(bump: Bump, both: Both, value: float, middle: float, width: float) -> _
     out, into = both.out.points[bump.out], both.into.points[bump.into]
     side = bump.side * np.sign(_spread(out, out.direction) @ bump.leaving)
     way = bump.way * float(np.sign(_spread(into, into.leaving) @ bump.across))
-    passage = Passage(out, float(side), into, bump.images, bump.ahead)
+    shift = bump.turns * periods_of_states(both.into.chosen.system)
+    passage = Passage(out, float(side), into, bump.images, bump.ahead, shift)
     place, height = middle, -np.inf
     for _ in range(_MOVES):
         middle = min(middle, bump.length)

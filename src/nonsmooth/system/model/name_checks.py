@@ -56,11 +56,30 @@ def modes_of(equations: Any, modes: Mapping[str, Mode]) -> Mapping[str, Mode]:
         )
     one = {ONE_MODE: Mode(equations)}
     if modes and modes != one and not _handed_on(modes):
-        raise ModelError(
-            "equations: they are one mode, and modes= are given as well; write them as one of the"
-            " modes, or leave modes= out"
-        )
+        raise ModelError(_both_given(equations, modes))
     return one
+
+
+def _both_given(equations: Mapping[str, Any], modes: Any) -> str:
+    """What is said of equations beside modes; one of them may be that of a system replaced."""
+    if isinstance(equations, FrozenDict):
+        return (
+            f"modes: the system is written with equations=, which are its one mode {ONE_MODE!r},"
+            " and other modes are given now. Take the equations back too:"
+            " replace(system, modes=..., equations=None), where"
+            f" {ONE_MODE!r}: Mode(system.equations) may be one of the modes; or change the"
+            " equations alone: replace(system, equations=...)"
+        )
+    if isinstance(modes, FrozenDict):
+        return (
+            f"equations: they are one mode, and the system is written with modes="
+            f" ({', '.join(map(str, modes))}). Take these back too: replace(system, equations=...,"
+            " modes={}); or change some of them: replace(system, modes={**system.modes, ...})"
+        )
+    return (
+        "equations: they are one mode, and modes= are given as well; write them as one of the"
+        " modes, or leave modes= out"
+    )
 
 
 def _handed_on(modes: Mapping[str, Mode]) -> bool:
