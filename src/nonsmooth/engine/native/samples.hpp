@@ -31,7 +31,8 @@ inline double rounding_of_event(const Run& run, double s) {
     // a window that no forcing gives may be much longer than what happens at the start of a run
     const double length = when.number == 0 ? std::min(window, std::fabs(when.phase)) : window;
     constexpr double least = LEAST_DRIFTING;
-    return std::ldexp((least + windows) * length, -ROUNDING_BITS);
+    constexpr double unit = 1.0 / static_cast<double>(int64_t(1) << ROUNDING_BITS);
+    return (least + windows) * length * unit;
 }
 
 // Columns of derivatives at sample k, at s of the segment.
