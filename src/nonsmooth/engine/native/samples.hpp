@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "flow.hpp"
 #include "free_flight.hpp"
@@ -62,6 +63,14 @@ inline void go_to(const Run& run, WindowPhase when, double s) {
     }
 }
 
+// Time from the anchor to the next sample; nan where all are written, for that is before nothing.
+inline double time_to_sample(const Run& run) {
+    const Records& records = run.records;
+    const Index k = records.counters.samples;
+    if (k >= records.sample_phase.size()) return std::numeric_limits<double>::quiet_NaN();
+    return time_to(run, static_cast<double>(records.sample_number[k]), records.sample_phase[k]);
+}
+
 // Samples of this segment up to and including the time until, and those that lie behind it by no more
 // than the time over, as of that time; false where there was too much work for one call, and some
 // are left.
@@ -78,11 +87,8 @@ inline bool write_samples(const Run& run, double until, double over) {
     Pause& pause = *segment.pause;
     bool complete = true;
     const double latest = until + over;
-    Index k = records.counters.samples;
-    for (; k < records.sample_phase.size(); ++k) {
-        const double number = static_cast<double>(records.sample_number[k]);
-        const double asked = time_to(run, number, records.sample_phase[k]);
-        if (asked > latest) break;
+    Index& k = records.counters.samples;
+    for (double asked = time_to_sample(run); asked <= latest; asked = time_to_sample(run)) {
         const double s = std::min(asked, until);
         complete = !kept || pause.work > 0;  // one sample at least in a call
         if (!complete) break;
@@ -102,8 +108,8 @@ inline bool write_samples(const Run& run, double until, double over) {
         }
         if (run.tangent.carries()) write_columns(run, s, k);
         records.sample_mode[k] = m;
+        ++k;
     }
-    records.counters.samples = k;
     if (kept) {
         copy(segment.kept, segment.now);
         *segment.point = point;
