@@ -72,7 +72,7 @@ class Transition {
                const Tangent& tangent, Index m, Index e, double duration, double tolerance)
         : tables_(tables), rates_(rates), segment_(segment), tangent_(tangent), first_mode_(m),
           first_exit_(e), duration_(duration), tolerance_(tolerance),
-          curved_(tables.sizes.registers > 0), followed_(curved_), e_(e),
+          curved_(has_series && tables.sizes.registers > 0), followed_(curved_), e_(e),
           passage_{COMPLETED, m, 0, 0, false, false, never, false} {}
 
     // Pass exits until a mode holds.
