@@ -30,10 +30,12 @@ inline void start_cluster(const Tables& tables, const Segment& segment, Index m,
         for (Index a = first; a < end; ++a) {
             Complex total = 0.0;
             double noise = 0.0;
-            for (Index b = first; b < end; ++b) {
-                const Complex& weight = tables.nilpotent(m, a, b);
-                total += weight * chain(d - 1, b);
-                noise += taxicab(weight) * chain_noise(d - 1, b);
+            const Complex* const weights = &tables.nilpotent(m, a, 0);
+            const Complex* const before = &chain(d - 1, 0);
+            const double* const noise_before = &chain_noise(d - 1, 0);
+            for (Index b = a; b < end; ++b) {  // members before it do not enter its rate
+                total += weights[b] * before[b];
+                noise += taxicab(weights[b]) * noise_before[b];
             }
             chain(d, a) = total / static_cast<double>(d);
             chain_noise(d, a) = noise / static_cast<double>(d);
@@ -53,20 +55,20 @@ inline void advance_cluster(const Tables& tables, const Segment& segment, Index 
                             double s) {
     const Cluster& cluster = cluster_at(tables, m, c);
     const Complex mean = tables.spectrum(m, cluster.first);
-    double decay = 1.0;
-    Complex factor = 1.0;
-    if (mean.re != 0.0 || mean.im != 0.0) {
-        decay = std::exp(mean.re * s);
-        factor = decay * turn(mean.im * s);
-    }
+    const bool is_polynomial = mean.re == 0.0 && mean.im == 0.0;
+    const double decay = is_polynomial ? 1.0 : std::exp(mean.re * s);
+    const Complex factor = is_polynomial ? Complex(1.0) : decay * turn(mean.im * s);
+    const Index width = segment.chain.shape[1];
     for (Index a = cluster.first; a < cluster.first + cluster.size; ++a) {
-        Complex value = 0.0;
-        double noise = 0.0;
-        for (Index d = cluster.degree; d >= 0; --d) {
-            value = value * s + segment.chain(d, a);
-            noise = noise * s + segment.chain_noise(d, a);
+        const Complex* term = &segment.chain(cluster.degree, a);
+        const double* noise_term = &segment.chain_noise(cluster.degree, a);
+        Complex value = *term;
+        double noise = *noise_term;
+        for (Index d = cluster.degree; d > 0; --d) {
+            value = value * s + *(term -= width);
+            noise = noise * s + *(noise_term -= width);
         }
-        value *= factor;
+        if (!is_polynomial) value *= factor;
         segment.now[a] = {value.re, value.im, segment.origin[a].size * decay, noise * decay};
     }
 }

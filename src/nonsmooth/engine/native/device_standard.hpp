@@ -41,6 +41,7 @@ template <class To, class From> constexpr To bit_cast(From from) {
 }
 
 inline int popcount(uint64_t bits) { return __popcll(bits); }
+inline int countr_zero(uint64_t bits) { return bits == 0 ? 64 : __ffsll(bits) - 1; }
 inline int countr_one(unsigned bits) { return bits == ~0U ? 32 : __ffs(~bits) - 1; }
 
 template <class T> struct numeric_limits;

@@ -317,6 +317,8 @@ inline Crossing first_crossing(const Tables& tables, const Segment& segment, Ind
                                double length) {
     constexpr Index most_steps = 1'000'000;
     const int64_t work = work_of_look(tables, m);
+    const bool has_signs = !is_taylor(tables, m) && tables.spans[m].looks > 0;
+    const LookedAt at = looked_at(tables, segment, m);
     Pause& paused = *segment.pause;
     const bool resumes = paused.stage == SEARCHING;
     const double begin = resumes ? paused.reached : start;
@@ -332,7 +334,8 @@ inline Crossing first_crossing(const Tables& tables, const Segment& segment, Ind
     }
     for (Index step = paused.looks; step < most_steps; ++step) {
         Crossing crossing{search.s, -1, Found::none};
-        const SignOutcome signs = step_by_signs(search, crossing);
+        const SignOutcome signs =
+            has_signs ? step_by_signs(search, at, crossing) : SignOutcome::open;
         if (signs == SignOutcome::found) return crossing;
         if (signs == SignOutcome::open) {
             Look look = look_at_guards(search);

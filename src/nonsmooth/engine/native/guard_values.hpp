@@ -49,14 +49,14 @@ inline double change_of_row(const double* row, const double* scale, Index count)
 // A ring that rests at zero on a rotor of size one is known to the rounding of the one, and so is a
 // sine that is zero, for its phase is rounded.
 inline void fill_extent(const Tables& tables, Index m, const double* z, double* extent) {
-    const StateSet& implicit = mode_wiring(tables, m).implicit;
-    for (Index i = 0; i < tables.size(); ++i) extent[i] = std::fabs(z[i]);
-    const Index first = tables.n() + 1 + tables.sizes.powers;
-    for (Index i = 0; i < 2 * tables.sizes.frequencies; ++i) extent[first + i] = 1.0;
-    for (Index i = 0; i < tables.n(); ++i) {
-        if (!has_bit(implicit, i)) continue;
+    const Index size = tables.size(), first = tables.n() + 1 + tables.sizes.powers;
+    const Index behind = first + 2 * tables.sizes.frequencies;
+    for (Index i = 0; i < first; ++i) extent[i] = std::fabs(z[i]);
+    for (Index i = first; i < behind; ++i) extent[i] = 1.0;
+    for (Index i = behind; i < size; ++i) extent[i] = std::fabs(z[i]);
+    for (const Index i : Members(mode_wiring(tables, m).implicit, tables.n())) {
         const double* row = relation_coefficients(tables, m, i);
-        for (Index j = 0; j < tables.size(); ++j) extent[i] += std::fabs(row[j] * z[j]);
+        for (Index j = 0; j < size; ++j) extent[i] += std::fabs(row[j] * z[j]);
     }
 }
 
@@ -110,9 +110,11 @@ struct Leftover {
     double size, rate;
 };
 
-inline Leftover leftover_of(const Tables& tables, Index m, double size) {
+inline Leftover leftover_of(const Tables& tables, Index m, Index g, const double* z,
+                            const double* extent) {
     constexpr double rounding = 32.0 * 2.220446049250313e-16;
     if (is_taylor(tables, m) || !is_curved(tables, m)) return {0.0, 0.0};
+    const double size = guard_terms(tables, m, g, 0, z, extent).size;
     return {rounding * size, 2.0 * tables.spans[m].fastest};  // of a product of two motions
 }
 
@@ -123,8 +125,7 @@ inline Leftover leftover_of(const Tables& tables, Index m, double size) {
 inline bool must_fire(const Tables& tables, Index m, Index g, const double* z,
                       const double* extent, int64_t& order, double tolerance) {
     if (order == ALWAYS_ZERO) return false;
-    const Leftover leftover =
-        leftover_of(tables, m, guard_terms(tables, m, g, 0, z, extent).size);
+    const Leftover leftover = leftover_of(tables, m, g, z, extent);
     double hidden = leftover.size;
     for (Index r = 0; r < order; ++r) hidden *= leftover.rate;
     for (Index r = order; r < DERIVATIVES; ++r, hidden *= leftover.rate) {

@@ -66,9 +66,8 @@ inline Slot slot_at_start(const Tables& tables, const Segment& segment, Index m,
     const double* z = segment.z.data;
     FourVector sum{};
     for (Index i = tables.reads(m, j); i < segment.z.size(); ++i) {
-        const double size = std::fabs(z[i]);
-        const FourVector factors{z[i], z[i], size, size};
-        sum += *reinterpret_cast<const FourVector*>(&weights[i]) * factors;
+        // the size of a product is the product of the sizes
+        sum += with_third_size(*reinterpret_cast<const FourVector*>(&weights[i]) * z[i]);
     }
     Slot slot{sum[0], sum[1], 0.0, sum[2]};
     slot.size = std::sqrt(slot.re * slot.re + slot.im * slot.im);
@@ -86,8 +85,8 @@ inline void start_segment(const Tables& tables, const Segment& segment, Index m,
     const SlotCounts& slots = slot_counts(tables, m);
     const double reach = std::min(tables.spans[m].reach, length);
     for (Index j = 0; j < slots.count; ++j) {
-        segment.origin[j] = slot_at_start(tables, segment, m, j, reach);
-        segment.now[j] = segment.origin[j];
+        const Slot slot = slot_at_start(tables, segment, m, j, reach);
+        segment.origin[j] = segment.now[j] = slot;
     }
     for (Index c = 0; c < slots.n_clusters; ++c) {
         start_cluster(tables, segment, m, c, length, reach);

@@ -123,7 +123,7 @@ inline void fill_look_noise(const Tables& tables, Index m, Index g, Index level)
 }
 
 // Rows and margins of the looks of a level, unless they are made.
-inline void make_level(const Tables& tables, Index m, Index level) {
+NONSMOOTH_APART inline void make_level(const Tables& tables, Index m, Index level) {
     Spans& spans = tables.spans[m];
     if (has_level(spans, level)) return;
     const SlotCounts& slots = slot_counts(tables, m);

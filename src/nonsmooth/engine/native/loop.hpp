@@ -233,7 +233,8 @@ inline SegmentEnd pass_segment(const Run& run) {
     const bool at_knot = run.tables.signals.size() > 0 && times.length == *run.segment.to_knot;
     const bool at_event = crossing.exit >= 0 || (at_knot && crossing.s == times.length);
     const double over = at_event ? rounding_of_event(run, crossing.s) : 0.0;
-    if (!write_samples(run, std::min(crossing.s, times.end), over)) {
+    const double until = std::min(crossing.s, times.end);
+    if (time_to_sample(run) <= until + over && !write_samples(run, until, over)) {
         return pause_at_samples(run, crossing);
     }
     pause.stage = BETWEEN;

@@ -75,8 +75,7 @@ struct Allowance {
 // Whether the slaved states of the target, in segment.spare, agree with their relations at z.
 inline bool states_agree(const Tables& tables, const Segment& segment, Index target,
                          const Allowance& allowance, double tolerance) {
-    for (Index i = 0; i < tables.n(); ++i) {
-        if (!has_bit(mode_wiring(tables, target).slaved, i)) continue;
+    for (const Index i : Members(mode_wiring(tables, target).slaved, tables.n())) {
         if (has_bit(allowance.jumping, i)) continue;
         const double* row = relation_coefficients(tables, target, i);
         const double before = segment.spare[i];
@@ -95,10 +94,8 @@ inline bool states_agree(const Tables& tables, const Segment& segment, Index tar
 
 // Put the slaved states of a mode on their relations.
 inline void settle_slaved(const Tables& tables, Index m, double* z) {
-    for (Index i = 0; i < tables.n(); ++i) {
-        if (has_bit(mode_wiring(tables, m).slaved, i)) {
-            z[i] = product(relation_coefficients(tables, m, i), z, tables.size());
-        }
+    for (const Index i : Members(mode_wiring(tables, m).slaved, tables.n())) {
+        z[i] = product(relation_coefficients(tables, m, i), z, tables.size());
     }
 }
 

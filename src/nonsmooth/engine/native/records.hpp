@@ -142,12 +142,16 @@ inline Index vanishing_outlet(const Tables& tables, Index m, Index i) {
     return tables.outlets(m, n + n_exits + n_exits * n + i);
 }
 
-// Whether this build runs modes that have series, and derivatives: a device runs closed forms only.
-#ifdef NONSMOOTH_DEVICE
+// Whether this build runs modes that have series, and derivatives: a device runs closed forms only, and
+// so does closed_run.cpp.
+#if defined(NONSMOOTH_DEVICE) || defined(NONSMOOTH_CLOSED_FORMS)
 constexpr bool has_series = false;
-constexpr Index most_augmented = MAX_ON_DEVICE;  // each thread has memory for as many
 #else
 constexpr bool has_series = true;
+#endif
+#ifdef NONSMOOTH_DEVICE
+constexpr Index most_augmented = MAX_ON_DEVICE;  // each thread has memory for as many
+#else
 constexpr Index most_augmented = MAX_AUGMENTED;
 #endif
 

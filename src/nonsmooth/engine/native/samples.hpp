@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "flow.hpp"
 #include "free_flight.hpp"
@@ -31,7 +32,8 @@ inline double rounding_of_event(const Run& run, double s) {
     // a window that no forcing gives may be much longer than what happens at the start of a run
     const double length = when.number == 0 ? std::min(window, std::fabs(when.phase)) : window;
     constexpr double least = LEAST_DRIFTING;
-    return std::ldexp((least + windows) * length, -ROUNDING_BITS);
+    constexpr double unit = 1.0 / static_cast<double>(int64_t(1) << ROUNDING_BITS);
+    return (least + windows) * length * unit;
 }
 
 // Columns of derivatives at sample k, at s of the segment.
@@ -61,6 +63,14 @@ inline void go_to(const Run& run, WindowPhase when, double s) {
     }
 }
 
+// Time from the anchor to the next sample; nan where all are written, for that is before nothing.
+inline double time_to_sample(const Run& run) {
+    const Records& records = run.records;
+    const Index k = records.counters.samples;
+    if (k >= records.sample_phase.size()) return std::numeric_limits<double>::quiet_NaN();
+    return time_to(run, static_cast<double>(records.sample_number[k]), records.sample_phase[k]);
+}
+
 // Samples of this segment up to and including the time until, and those that lie behind it by no more
 // than the time over, as of that time; false where there was too much work for one call, and some
 // are left.
@@ -77,11 +87,8 @@ inline bool write_samples(const Run& run, double until, double over) {
     Pause& pause = *segment.pause;
     bool complete = true;
     const double latest = until + over;
-    Index k = records.counters.samples;
-    for (; k < records.sample_phase.size(); ++k) {
-        const double number = static_cast<double>(records.sample_number[k]);
-        const double asked = time_to(run, number, records.sample_phase[k]);
-        if (asked > latest) break;
+    Index& k = records.counters.samples;
+    for (double asked = time_to_sample(run); asked <= latest; asked = time_to_sample(run)) {
         const double s = std::min(asked, until);
         complete = !kept || pause.work > 0;  // one sample at least in a call
         if (!complete) break;
@@ -101,8 +108,8 @@ inline bool write_samples(const Run& run, double until, double over) {
         }
         if (run.tangent.carries()) write_columns(run, s, k);
         records.sample_mode[k] = m;
+        ++k;
     }
-    records.counters.samples = k;
     if (kept) {
         copy(segment.kept, segment.now);
         *segment.point = point;

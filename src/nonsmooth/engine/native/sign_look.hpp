@@ -20,39 +20,36 @@ namespace nonsmooth {
 
 // What looks in one mode read.
 struct LookedAt {
-    const Tables& tables;
-    const Index m;
     const SlotCounts& slots;
     const Slot* now;
     const LookRow* rows;          // of the first level
     const GuardWeights* weights;  // of the first guard
     const double* noise;          // of the first guard, level and order
     const Index width;            // slots that there is room for in rows and noise
+    const Index weights_width;    // and in weights
     const double rung;            // of the ladder
     const Index degree;
 
-    const GuardWeights* weights_of(Index g) const { return weights + g * tables.series.shape[2]; }
+    const GuardWeights* weights_of(Index g) const { return weights + g * weights_width; }
 };
 
 inline LookedAt looked_at(const Tables& tables, const Segment& segment, Index m) {
     const Spans& spans = tables.spans[m];
-    return {tables,
-            m,
-            slot_counts(tables, m),
+    return {slot_counts(tables, m),
             segment.now.data,
             &tables.look_rows(m, 0, 0),
             &tables.series(m, 0, 0),
             &tables.look_noise(m, 0, 0, 0, 0),
             tables.look_rows.shape[2],
+            tables.series.shape[2],
             spans.rung,
             spans.degree};
 }
 
+inline constexpr double look_parts[LOOKS] = {2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125};
+
 // Length of the steps of a level: the first one is twice the longest step of the ladder.
-inline double look_step(double rung, Index level) {
-    constexpr double parts[LOOKS] = {2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125};
-    return rung * parts[level];
-}
+inline double look_step(double rung, Index level) { return rung * look_parts[level]; }
 
 // What a look tells of a guard, with its coefficients; where it is not positive throughout, the first
 // coefficient that is not above the margin.
@@ -64,7 +61,7 @@ struct SignLook {
 
 // Add what the polynomials in time add to the coefficients of a guard; returns their value at the
 // current point.
-inline double add_powers(const LookedAt& at, const GuardWeights* weights, double step,
+inline double add_powers(const LookedAt& at, const GuardWeights* weights, Index level,
                          Sixteen& sum) {
     double value = 0.0;
     for (Index j = 0; j < at.slots.end_constant; ++j) {
@@ -77,6 +74,7 @@ inline double add_powers(const LookedAt& at, const GuardWeights* weights, double
             powers[k] += weights[j].by_re[k] * at.now[j].re + weights[j].by_im[k] * at.now[j].im;
         }
     }
+    const double step = look_step(at.rung, level);
     double length = 1.0;
     for (Index k = 1; k <= at.degree; ++k) {
         length *= step;
@@ -90,13 +88,13 @@ inline double add_powers(const LookedAt& at, const GuardWeights* weights, double
 inline Sixteen read_coefficients(const LookedAt& at, const GuardWeights* weights, Index level,
                                  Index order) {
     const LookRow* rows = at.rows + level * at.width;
-    Sixteen sum{};
+    Sixteen sum = sixteen_zeros();
     for (Index j = at.slots.end_fading; j < at.slots.end_damped; ++j) {
         const double by_re = weights[j].by_re[0], by_im = weights[j].by_im[0];
         add_row(by_re * at.now[j].re + by_im * at.now[j].im, rows[j].re, sum);
         add_row(by_im * at.now[j].re - by_re * at.now[j].im, rows[j].im, sum);
     }
-    const double constant = add_powers(at, weights, look_step(at.rung, level), sum);
+    const double constant = add_powers(at, weights, level, sum);
     const FirstTwo first = take_first_two(sum);
     const double value = order == 0 ? first.zeroth + constant : 0.0;
     const double slope = order <= 1 ? first.first : 0.0;
@@ -126,24 +124,28 @@ inline double fading_size(const LookedAt& at, const GuardWeights* weights) {
     return size;
 }
 
-// Look at a guard with a zero of known order, 0 to 2, at the current point.
-inline Signs look_by_signs(const LookedAt& at, Index g, Index level, Index order, SignLook& look) {
+// Look at a guard with a zero of known order, 0 to 2, at the current point; the look is left where the
+// guard is not positive.
+NONSMOOTH_APART inline Signs look_by_signs(const LookedAt& at, Index g, Index level, Index order,
+                                           SignLook& look) {
     constexpr double faded = 1e-3;  // part of the margin that is nothing
     constexpr unsigned all = (1U << bernstein_count) - 1U;
     const GuardWeights* weights = at.weights_of(g);
     double margin = look_margin(at, g, level, order);
     const double fading = fading_size(at, weights);
     const bool has_faded = fading <= faded * margin;
-    look.first = order;
-    if (order > 0 && !has_faded) return Signs::open;
+    if (order > 0 && !has_faded) {
+        look.first = order;
+        return Signs::open;
+    }
     margin += fading;
-    look.b = read_coefficients(at, weights, level, order);
+    const Sixteen b = read_coefficients(at, weights, level, order);
     const unsigned zeros = (1U << order) - 1U;
-    const unsigned above = bits_above(look.b, margin) | zeros;
+    const unsigned above = bits_above(b, margin) | zeros;
     if (above == all) return Signs::positive;
-    look.first = std::countr_one(above);
+    look = {b, std::countr_one(above)};
     const bool falls = above == (1U << look.first) - 1U &&
-                       (above ^ all) == bits_below(look.b, margin) && look.first > order;
+                       (above ^ all) == bits_below(b, margin) && look.first > order;
     return falls && has_faded ? Signs::falls : Signs::open;
 }
 

@@ -50,11 +50,10 @@ struct SignsOfAll {
     Index which, first;
 };
 
-// Look at all guards; the look at the one that falls is left in `fallen`.
+// Look at all guards; the look at the one that falls alone is left in `look`.
 inline SignsOfAll look_at_all_by_signs(const Search& search, const LookedAt& at, Index level,
-                                       SignLook& fallen) {
-    make_level(search.tables, search.m, level);
-    SignLook look;
+                                       SignLook& look) {
+    if (!has_level(search.tables.spans[search.m], level)) make_level(search.tables, search.m, level);
     SignsOfAll all{false, -1, bernstein_count};
     for (Index g = 0; g < search.n_exits; ++g) {
         const Index order = search.s == 0.0 ? search.segment.order[g] : 0;
@@ -64,7 +63,6 @@ inline SignsOfAll look_at_all_by_signs(const Search& search, const LookedAt& at,
         all.open = signs == Signs::open || all.which >= 0;
         if (all.open) return all;
         all.which = g;
-        fallen = look;
     }
     return all;
 }
@@ -180,24 +178,21 @@ inline SignOutcome follow_fall(Search& search, Index which, Index level, const S
 }
 
 // Look by signs from search.s on, and step as far as they tell.
-inline SignOutcome step_by_signs(Search& search, Crossing& crossing) {
+inline SignOutcome step_by_signs(Search& search, const LookedAt& at, Crossing& crossing) {
     constexpr Index looks_between = 2;
-    if (is_taylor(search.tables, search.m) || search.tables.spans[search.m].looks == 0) {
-        return SignOutcome::open;
-    }
     if (search.wait > 0) {
         --search.wait;
         return SignOutcome::open;
     }
     if (!signs_serve(search)) return SignOutcome::open;
-    const LookedAt at = looked_at(search.tables, search.segment, search.m);
     SignLook fallen;
     const Index tried = first_level(search, search.level);
     Index level = tried;
-    SignsOfAll signs = look_at_all_by_signs(search, at, level, fallen);
-    while (signs.open && level + 1 < LOOKS) {
-        level = std::min(level + levels_down(signs.first), Index(LOOKS - 1));
+    SignsOfAll signs;
+    while (true) {
         signs = look_at_all_by_signs(search, at, level, fallen);
+        if (!signs.open || level + 1 == LOOKS) break;
+        level = std::min(level + levels_down(signs.first), Index(LOOKS - 1));
     }
     // a step that was tried first may be followed by one twice as long
     search.level = level == tried && level > 0 ? level - 1 : level;

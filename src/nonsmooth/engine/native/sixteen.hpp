@@ -20,6 +20,14 @@ inline const RegisterVector& register_at(const double* numbers) {
 
 inline RegisterVector in_all(double number) { return number - RegisterVector{}; }
 
+// Written part by part: GCC would clear a whole record in memory, by an instruction of some tens of cycles.
+inline Sixteen sixteen_zeros() {
+    Sixteen made;
+#pragma GCC unroll 8
+    for (Index p = 0; p < Sixteen::parts; ++p) made.part[p] = in_all(0.0);
+    return made;
+}
+
 inline Sixteen sixteen_at(const double* numbers) {
     Sixteen made;
 #pragma GCC unroll 8
@@ -76,8 +84,11 @@ inline FirstTwo take_first_two(Sixteen& a) {
     const FirstTwo taken{zeroth, first};
     zeroth = first = 0.0;
 #else
+    // by a mask: numbers that are written one by one go through memory
+    alignas(32) static constexpr int64_t others[4] = {0, 0, -1, -1};
     const FirstTwo taken{a.part[0][0], a.part[0][1]};
-    a.part[0][0] = a.part[0][1] = 0.0;
+    a.part[0] = (RegisterVector)((RegisterMask)a.part[0] &
+                                 *reinterpret_cast<const RegisterMask*>(others));
 #endif
     return taken;
 }

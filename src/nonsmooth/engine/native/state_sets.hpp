@@ -14,6 +14,39 @@ namespace nonsmooth {
 
 inline bool has_bit(const StateSet& set, Index i) { return (set.words[i >> 6] >> (i & 63)) & 1; }
 
+// Members of a set below a count, in order: words are few, and most sets have no member at all.
+class Members {
+  public:
+    Members(const StateSet& set, Index count) : set_(set), n_words_((count + 63) >> 6) {}
+
+    struct Place {
+        const StateSet& set;
+        Index n_words, word;
+        uint64_t left;  // in this word
+
+        void skip_empty() {
+            while (left == 0 && ++word < n_words) left = set.words[word];
+        }
+        Index operator*() const { return (word << 6) + std::countr_zero(left); }
+        bool operator!=(Index) const { return word < n_words; }
+        void operator++() {
+            left &= left - 1;
+            skip_empty();
+        }
+    };
+
+    Place begin() const {
+        Place first{set_, n_words_, 0, set_.words[0]};
+        first.skip_empty();
+        return first;
+    }
+    Index end() const { return n_words_; }
+
+  private:
+    const StateSet& set_;
+    const Index n_words_;
+};
+
 inline void insert(StateSet& set, Index i) { set.words[i >> 6] |= uint64_t{1} << (i & 63); }
 
 inline bool is_empty(const StateSet& set) {

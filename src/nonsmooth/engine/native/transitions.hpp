@@ -72,7 +72,7 @@ class Transition {
                const Tangent& tangent, Index m, Index e, double duration, double tolerance)
         : tables_(tables), rates_(rates), segment_(segment), tangent_(tangent), first_mode_(m),
           first_exit_(e), duration_(duration), tolerance_(tolerance),
-          curved_(tables.sizes.registers > 0), followed_(curved_), e_(e),
+          curved_(has_series && tables.sizes.registers > 0), followed_(curved_), e_(e),
           passage_{COMPLETED, m, 0, 0, false, false, never, false} {}
 
     // Pass exits until a mode holds.
@@ -217,17 +217,20 @@ class Transition {
     // Enter the target of an exit of mode m behind its reset; false where that cannot be.
     bool enter_target(const ExitWiring& exit, Index m) {
         const StateSet& resetting = exit.resetting;
-        // what the target slaves is put on its relation anyway: naming it is no jump by itself
-        const StateSet& slaved = mode_wiring(tables_, exit.target).slaved;
-        if (!is_empty(without(resetting, slaved))) {
-            fill(segment_.visited, Index(0));  // a jump: modes may return
+        const bool resets = !is_empty(resetting);
+        if (resets) {
+            // what the target slaves is put on its relation anyway: naming it is no jump by itself
+            const StateSet& slaved = mode_wiring(tables_, exit.target).slaved;
+            if (!is_empty(without(resetting, slaved))) {
+                fill(segment_.visited, Index(0));  // a jump: modes may return
+            }
+            passage_.jumped =
+                passage_.jumped ||
+                !is_empty(without(resetting, in_both(mode_wiring(tables_, m).slaved, slaved)));
         }
-        passage_.jumped =
-            passage_.jumped ||
-            !is_empty(without(resetting, in_both(mode_wiring(tables_, m).slaved, slaved)));
         // cells settle after a reset: what it lets jump goes on until one of them holds
         const bool leaves = tables_.families[exit.target] != tables_.families[m];
-        if (!is_empty(resetting) || leaves) jumping_ = resetting;
+        if (resets || leaves) jumping_ = resetting;
         if (leaves) ++spell_;
         passage_.mode = exit.target;
         if (agrees_with_target(m, exit.target)) return true;
@@ -249,16 +252,18 @@ class Transition {
             push_relations(tables_, target, directions_of(segment_));
         }
         fill_extent(tables_, target, z(), extent());
-        Allowance allowance{jumping_, fired_, curved_};
-        bool agrees = states_agree(tables_, segment_, target, allowance, tolerance_);
-        if (!agrees && !curved_) {  // what is nothing beside what it changes by
-            scale_of(m);
-            allowance.scaled = true;
-            agrees = states_agree(tables_, segment_, target, allowance, tolerance_);
+        if (!is_empty(mode_wiring(tables_, target).slaved)) {
+            Allowance allowance{jumping_, fired_, curved_};
+            bool agrees = states_agree(tables_, segment_, target, allowance, tolerance_);
+            if (!agrees && !curved_) {  // what is nothing beside what it changes by
+                scale_of(m);
+                allowance.scaled = true;
+                agrees = states_agree(tables_, segment_, target, allowance, tolerance_);
+            }
+            if (!agrees) return false;
+            settle_slaved(tables_, target, z());
+            fill_extent(tables_, target, z(), extent());
         }
-        if (!agrees) return false;
-        settle_slaved(tables_, target, z());
-        fill_extent(tables_, target, z(), extent());
         if (carries()) relate_columns(tables_, rates_, segment_, tangent_, target);
         return true;
     }

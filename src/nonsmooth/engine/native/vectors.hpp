@@ -58,6 +58,10 @@ using RegisterVector = double;
 using RegisterMask = bool;
 constexpr Index register_width = 1;
 
+inline FourVector with_third_size(const FourVector& a) {
+    return {a[0], a[1], std::fabs(a[2]), a[3]};
+}
+
 inline FourVector sizes_of(const FourVector& a) {
     return {std::fabs(a[0]), std::fabs(a[1]), std::fabs(a[2]), std::fabs(a[3])};
 }
@@ -80,6 +84,12 @@ constexpr Index register_width = 2;
 typedef double RegisterVector
     __attribute__((vector_size(8 * register_width), aligned(8), may_alias));
 typedef int64_t RegisterMask __attribute__((vector_size(8 * register_width), may_alias));
+
+// The same numbers, of the third one its size.
+inline FourVector with_third_size(FourVector numbers) {
+    constexpr FourBits kept{-1, -1, INT64_MAX, -1};
+    return reinterpret_cast<FourVector>(reinterpret_cast<FourBits>(numbers) & kept);
+}
 
 inline FourVector sizes_of(FourVector numbers) {
     return reinterpret_cast<FourVector>(reinterpret_cast<FourBits>(numbers) & INT64_MAX);

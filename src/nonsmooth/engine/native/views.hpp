@@ -7,6 +7,14 @@ namespace nonsmooth {
 
 using Index = std::int64_t;
 
+// A function that is not to be inlined: what is rarely done would take registers from what is done all
+// the time, and compilers put what a call computes for itself before loops that may not need it.
+#ifdef NONSMOOTH_DEVICE
+#define NONSMOOTH_APART
+#else
+#define NONSMOOTH_APART __attribute__((noinline))
+#endif
+
 // A view of a contiguous array with D axes; interface.h writes it as Array(T, D).
 template <class T, int D>
 struct View {
