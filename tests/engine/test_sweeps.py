@@ -127,3 +127,26 @@ def test_periods_are_the_smallest_numbers_of_steps(period: int) -> None:
     both = np.stack([points, points + np.array([1.0, 0.0]) * 10.0 * noise[:, None]])
     found = sweeps.primitive_periods(both, np.array([False, True]), match)
     assert found.tolist() == [period, 0]
+
+
+@pytest.mark.parametrize("name", ["moling", "soft_impact", "impact_oscillator"])
+def test_motions_with_columns_have_the_digits_of_those_without(name: str) -> None:
+    """Those without run in a build of the engine of their own, which knows closed forms only."""
+    system = getattr(ns.models, name)()
+    values = np.array([list(system.parameter_values.values())], float)
+    n = len(system.states)
+    numbers = np.arange(10, 60)[np.newaxis]
+    found = []
+    for carries in (False, True):
+        runner = SweepRunner(system, 1e-12)
+        usable = runner.set_up(values)
+        begin = np.zeros(1, np.int64)
+        rest = np.array([[system.open_state[state] for state in system.states]])
+        motions = runner.start(SweepStarts(rest, np.full(1, ANY), begin, np.zeros(1)), usable)
+        columns = runner.columns(np.eye(n)[np.newaxis], numbers.size) if carries else None
+        times = Times(numbers, np.zeros(numbers.shape))
+        found.append(runner.run(motions, times, columns=columns))
+    assert found[0].statuses[0] == Status.COMPLETED
+    assert found[0].rows.size > 0
+    for one, other in zip(found[0], found[1], strict=True):
+        np.testing.assert_array_equal(one, other)

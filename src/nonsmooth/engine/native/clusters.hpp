@@ -1,7 +1,8 @@
 // Clusters: slots whose eigenvalues are too close to be told apart.
 //
 // Together they move as exp(mu s) times a polynomial in s: rigid-body chains, critical damping,
-// resonance. The coefficients of the polynomial are made once per segment.
+// resonance. The coefficients of the polynomial are made once per segment. Most modes have no clusters,
+// and are not to keep registers free for them.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +16,8 @@ namespace nonsmooth {
 // Coefficients of exp(N s) w in powers of s, and bounds over the segment.
 //
 // length bounds the segment; moduli of growing clusters hold up to reach ahead.
-inline void start_cluster(const Tables& tables, const Segment& segment, Index m, Index c,
-                          double length, double reach) {
+NONSMOOTH_APART inline void start_cluster(const Tables& tables, const Segment& segment, Index m,
+                                          Index c, double length, double reach) {
     const Cluster& cluster = cluster_at(tables, m, c);
     const Index first = cluster.first, end = first + cluster.size;
     const auto& chain = segment.chain;
@@ -51,8 +52,8 @@ inline void start_cluster(const Tables& tables, const Segment& segment, Index m,
 }
 
 // Slots of a cluster at s, with bounds of their moduli and rounding margins.
-inline void advance_cluster(const Tables& tables, const Segment& segment, Index m, Index c,
-                            double s) {
+NONSMOOTH_APART inline void advance_cluster(const Tables& tables, const Segment& segment, Index m,
+                                            Index c, double s) {
     const Cluster& cluster = cluster_at(tables, m, c);
     const Complex mean = tables.spectrum(m, cluster.first);
     const bool is_polynomial = mean.re == 0.0 && mean.im == 0.0;

@@ -52,6 +52,9 @@ inline void end_rebounds(const Run& run, WindowPhase when) {
 // anchor, but where a tangency is passed by.
 inline Index log_crossing(const Run& run, const Crossing& crossing, EventKind kind) {
     const Index e = crossing.exit, m = run.anchor.place.mode;
+    if (run.records.room() == 0) {  // it is only counted
+        return log_event(run.records, {{}, kind, m, e, UNCERTAIN, 0.0});
+    }
     const Certificate certificate = certificate_of(run, crossing.found);
     const double rate = e >= 0 ? run.segment.scan[e].a[1] : 0.0;
     const Records& records = run.records;

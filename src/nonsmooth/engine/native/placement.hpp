@@ -31,9 +31,9 @@ inline Index largest_share(const Tables& tables, Index m, const double* row, con
 // Put the state exactly on the fired guard, by the coordinate whose motion has led there.
 //
 // Where time has led there, as in cos(w t) + 1e-12 x, the state stays as it is: x would have to go
-// far for what a rounding of time does. Returns the sum of the sizes of the terms before.
-inline double set_fired_zero(const Tables& tables, Index m, Index e, double* z,
-                             const double* extent) {
+// far for what a rounding of time does. The extent of the coordinate goes with it. Returns the sum of the
+// sizes of the terms before.
+inline double set_fired_zero(const Tables& tables, Index m, Index e, double* z, double* extent) {
     const Index n = tables.n();
     const double* row = guard_coefficients(tables, m, e, 0);
     const TermSum guard = sum_of_terms(row, z, extent, tables.size());
@@ -45,7 +45,10 @@ inline double set_fired_zero(const Tables& tables, Index m, Index e, double* z,
         pivot = i;
     }
     if (several) pivot = largest_share(tables, m, row, z);
-    if (0 <= pivot && pivot < n) z[pivot] -= guard.value / row[pivot];
+    if (0 <= pivot && pivot < n) {
+        z[pivot] -= guard.value / row[pivot];
+        extent[pivot] = std::fabs(z[pivot]);
+    }
     return guard.size;
 }
 

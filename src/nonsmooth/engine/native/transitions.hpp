@@ -159,8 +159,8 @@ class Transition {
         if (curved_) {
             scale_of(m);
             start_directions(tables_, m, e_, directions_of(segment_));
+            fill_extent(tables_, m, z(), extent());
         }
-        fill_extent(tables_, m, z(), extent());
         // series and sums over slots leave what follows from others off its relation by the rounding
         // of its largest values: compared with the relation of the target is that of this mode
         settle_slaved(tables_, m, z());
@@ -483,7 +483,7 @@ class Transition {
     double fired_ = 0.0;       // size of the terms that cancelled in the guard that fired
     double first_rate_ = 0.0;  // largest rate of arrival at this instant
     Passage passage_;
-    Passage circle_ = passage_;  // as it was where modes handed over in a circle first
+    Passage circle_;  // as it was where modes handed over in a circle first
 };
 
 // Pass exit e of mode m and whatever must fire after it at the same instant.
