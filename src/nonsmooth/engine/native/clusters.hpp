@@ -34,7 +34,7 @@ NONSMOOTH_APART inline void start_cluster(const Tables& tables, const Segment& s
             const Complex* const weights = &tables.nilpotent(m, a, 0);
             const Complex* const before = &chain(d - 1, 0);
             const double* const noise_before = &chain_noise(d - 1, 0);
-            for (Index b = a; b < end; ++b) {  // members before it do not enter its rate
+            for (Index b = first; b < end; ++b) {  // all: refinement leaves little below the diagonal
                 total += weights[b] * before[b];
                 noise += taxicab(weights[b]) * noise_before[b];
             }
