@@ -11,7 +11,8 @@ import nonsmooth as ns
 from analysis.test_bifurcation_diagram import ball
 from analysis.walls import damped, kicked, rigid_wall, stick_and_slip
 from nonsmooth import Exit, Mode, OptionError, System
-from nonsmooth.analysis.regimes.window import cyclic_word, rotation_number
+from nonsmooth.analysis.regimes.closed_curves import Rotation, closed_curves
+from nonsmooth.analysis.regimes.window import cyclic_word
 
 
 def label(found) -> str:
@@ -301,7 +302,7 @@ def test_what_does_not_turn_has_no_rotation_number(step):
     values = [0.3 / np.sqrt(2)]
     for _ in range(400):
         values.append(step(values[-1]))
-    assert np.isnan(rotation_number(np.array(values)))
+    assert isinstance(closed_curves(np.array(values)[:, None]), Rotation)
 
 
 def test_a_motion_that_forgets_is_locked():

@@ -146,23 +146,28 @@ def regime(
     ``chaotic``
         Strobes do not repeat, the largest exponent is more than three standard errors above zero,
         and K of the 0-1 test is not below 0.2. The spread of no state grows tenfold from window
-        to window, as in a motion that runs away. The motion is then run on for ``confirm`` periods,
-        and looked at again. Where it has settled or ended, the label is that of what it came to;
-        where it is on its way, it is looked at up to four times more, ever later. No finite run
-        tells chaos from a longer transient, so ``chaotic_for`` counts the periods from the first
-        window with an exponent above zero to the last one. A transient whose motions leave it at
+        to window, beyond all that was seen before, as in a motion that runs away. The motion is
+        then run on for ``confirm`` periods, and looked at again. Where it has settled or ended, the
+        label is that of what it came to; where it is on its way, it is looked at up to four times
+        more, ever later. No finite run tells chaos from a longer transient, so
+        ``chaotic_for`` counts the periods from the first window with an exponent above zero to the last one. A transient whose motions leave it at
         the rate k per period lasts as long with the probability exp(-k N), so the rate is below
         ``escape_rate_below`` = -log(0.05)/N with 95 % confidence.
     ``quasi-periodic``
-        Strobes do not repeat, the exponent is within three standard errors of zero and less than
+        The motion is driven, and the strobes of both windows keep the order of a rotation on a
+        closed curve, or on several in turn: the polygon through them in that order turns by at
+        most 0.1 radians at a strobe on average, and has no gap of more than ten mean steps. An
+        exponent is not needed then; it must not be above 3 over the duration of a window in both.
+        Or strobes do not repeat, the exponent is within three standard errors of zero and less than
         3 over the duration of a window in size, K is not above 0.5, and strobes do not nearly
         repeat, as those of motions that settle slowly do. Where neighbours part linearly, the
         exponent may fall by a quarter from window to window instead. Where strobes see the forcing
         at different phases, as with two frequencies, it may also be below zero.
         A motion that is driven is run on for ``confirm`` periods, as one that is chaotic, for two
-        windows do not tell a slow decay from none. Where nothing drives the system, no state leaves
-        the range of the window before, and the states do not all shrink as below. The message tells
-        the exponents of both windows.
+        windows do not tell a slow decay from none. It must lie on the same curve then, or spread
+        as far; where it does not, it is followed for as many periods once more. Where nothing
+        drives the system, no state leaves the range of the windows before, and the states do not
+        all shrink as below. The message tells the exponents of both windows.
     ``limit-cycle``
         Nothing drives the system, strobes do not repeat as the motion has a period of its own, and
         neighbours approach it: the exponent across it is below zero, or no perturbation across it

@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.regimes import labels
+from nonsmooth.analysis.regimes.closed_curves import (
+    BEND,
+    ClosedCurves,
+    Rotation,
+    closed_curves,
+    told_rotation,
+)
 from nonsmooth.analysis.regimes.labels import Verdict
-from nonsmooth.analysis.regimes.options import RegimeProtocol
+from nonsmooth.analysis.regimes.options import TESTED, RegimeProtocol
 from nonsmooth.analysis.regimes.window import (
+    APART,
     SHRINKING,
     StrobeTest,
     grows,
     no_closed_orbit,
     rest_floor,
-    rotation_number,
     run_away,
     shrinks,
+    shrunk,
     strobe_test,
     travels,
 )
@@ -30,14 +37,49 @@ from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.runs.strobe_times import hides_phase
 from nonsmooth.system.columns import with_error
 
-__all__ = ["Evidence", "by_growth"]
+__all__ = ["EarlierLooks", "Evidence", "by_growth"]
 
 _SETTLES = "it settles slowly"
+_NOTHING = "decide nothing"
+_SAME = 1e-4  # of a step along a curve, by which strobes of a period miss each other
+_NEARING = 0.5  # of a step between strobes that nearly repeat is left as they come to a node
+_MOST_EVIDENCE = 100_000  # strobes that a message asks for
 
 Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 _Rates: TypeAlias = tuple[float, float]  # a mean with its standard error
+
+
+class EarlierLooks(NamedTuple):
+    """What was seen of M motions before a look; n states."""
+
+    low: Floats  # (M, n): least value of each state at strobes, inf where nothing was seen
+    high: Floats  # (M, n): largest one, or -inf
+    spread: Floats  # (M, n): that of the window before, or inf
+    former: tuple[Floats | None, ...]  # strobes of the look that gave quasi-periodic motion first
+    ago: Integers  # (M,): periods between that look and this one
+
+    @staticmethod
+    def blank(count: int, states: int) -> EarlierLooks:
+        """Nothing was seen of any motion."""
+        unseen = np.full((count, states), np.inf)
+        nothing = np.zeros(count, np.int64)
+        return EarlierLooks(unseen, -unseen, unseen.copy(), (None,) * count, nothing)
+
+    def of(self, which: Integers) -> EarlierLooks:
+        """That of some motions."""
+        low, high, spread, former, ago = self
+        some = tuple(former[i] for i in which.tolist())
+        return EarlierLooks(low[which], high[which], spread[which], some, ago[which])
+
+    def after(self, which: Integers, strobes: Floats) -> EarlierLooks:
+        """The same with strobes (m, K, n) of some motions seen too."""
+        low, high, spread = (each.copy() for each in self[:3])
+        low[which] = np.minimum(low[which], strobes.min(axis=1))
+        high[which] = np.maximum(high[which], strobes.max(axis=1))
+        spread[which] = np.ptp(np.array_split(strobes, 2, axis=1)[1], axis=1)
+        return self._replace(low=low, high=high, spread=spread)
 
 
 @dataclass(frozen=True)
@@ -55,11 +97,13 @@ class Evidence:
     autonomous: bool
     hides_phase: Bools  # (M,): whether strobes see a forcing at different phases
     match: float
+    history: EarlierLooks  # of these motions
 
     @staticmethod
     def of(
-        group: Group, which: Integers, growth: Floats, states: Floats, sizes: Floats, match: float
-    ) -> Evidence:
+        group: Group, which: Integers, growth: Floats, states: Floats, sizes: Floats,
+        history: EarlierLooks, match: float,
+    ) -> Evidence:  # fmt: skip
         """Evidence of some motions of a group, (M,), from the states at strobes and looks.
 
         A motion that is driven has no more looks than strobes.
@@ -69,7 +113,7 @@ class Evidence:
         return Evidence(
             growth, *apart, lengths, tuple(group.system.states), group.drifting,
             group.angle_periods > 0.0, sizes, autonomous,
-            hides_phase(group.runner.frequencies[which], lengths), match,
+            hides_phase(group.runner.frequencies[which], lengths), match, history.of(which),
         )  # fmt: skip
 
     def attracting(self, i: int) -> str:
@@ -98,14 +142,23 @@ class Evidence:
     @cached_property
     def run_away(self) -> list[bool]:
         """Whether each motion grows without bound."""
-        return run_away(*self.windows).tolist()
+        still = ~self.drifting
+        before = self.history.low[:, still], self.history.high[:, still]
+        return run_away(*self.windows, before).tolist()
 
     @cached_property
     def shrink(self) -> list[bool]:
-        """Whether each motion dies away."""
+        """Whether each motion dies away, and has not grown since the window before: no beat."""
         still = ~self.drifting
         floor = rest_floor(self.looks[..., still], self.sizes[:, still], self.match)
-        return shrinks(*self.windows, floor).tolist()
+        first = np.ptp(self.windows[0], axis=-2)
+        grew = np.any(first > (1.0 + APART) * self.history.spread[:, still], axis=-1)
+        return (shrinks(*self.windows, floor) & ~grew).tolist()
+
+    def seen_before(self, i: int) -> tuple[Floats, Floats]:
+        """Least and largest values of the states of motion i without drift in earlier looks."""
+        still = ~self.drifting
+        return self.history.low[i, still], self.history.high[i, still]
 
 
 def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) -> Verdict:
@@ -115,10 +168,10 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
         part[i] for part in found.exponents
     )
     rates, errors = (first, second), (first_error, second_error)
-    series = _series(found, i)
+    series = _series(found.strobes[i], found.drifting)
     unasked = protocol.is_survey or found.autonomous  # a cycle turns as well between strobes
-    rotation = np.nan if unasked else _rotation_number(series)
-    turns, attracting = math.isfinite(rotation), found.attracting(i)
+    curves = None if unasked else closed_curves(series)
+    turns, attracting = isinstance(curves, ClosedCurves), found.attracting(i)
     label = labels.label_of_growth(rates, errors, count * length, attracting, turns=turns)
     both = f"{with_error(first, first_error, 3, 2)} and {with_error(second, second_error, 3, 2)}"
     rate, told = exponent, f"exponent {with_error(exponent, error, 3, 2)}"
@@ -127,11 +180,14 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
     elif label == labels.LIMIT_CYCLE and not np.isfinite(error):
         told = "no perturbation across the cycle outlives its events"
     elif label == labels.QUASI_PERIODIC and label != attracting:
-        rule = _rule(rates, errors, length, rotation, protocol)
+        rule = _rule(rates, errors, length, curves, protocol)
         told = f"exponent of two windows, {both}, {rule}"
-    why, factor = _unbounded(label, seen, found, i), None
+    why, factor = _unbounded(label, seen, found, i, turns=turns), None
+    if not why and label == labels.QUASI_PERIODIC and not found.autonomous:
+        why, factor = _moved(found, i, curves, protocol)
     if not (why or label):
         why = _undecided(rates, errors, both, protocol, autonomous=found.autonomous)
+        why += _cure(curves, protocol) if why.endswith(_NOTHING) else ""
         factor = float(np.exp(exponent * length))
     if why:
         if why.endswith(_SETTLES):
@@ -142,29 +198,78 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
     test, contradiction = _agreeing_test(label, series, protocol, turns=turns)
     seen = replace(seen, exponent=rate, error=error, k=test.k)
     if contradiction:
-        return seen.unsettled(f"{told} is {label}, but {contradiction}")
+        cure = _cure(curves, protocol)
+        return seen.unsettled(f"{told} is {label}, but {contradiction}{cure}")
     tested = "without the 0-1 test" if protocol.is_survey else f"K = {test.k:.2f}"
     is_turn = turns and label == labels.QUASI_PERIODIC
     return seen.named(label, told if is_turn else f"{told}, {tested}")
 
 
-def _rotation_number(series: Floats) -> float:
-    """Rotation number of the first state that turns round a circle, nan where none does."""
-    found = (rotation_number(values) for values in series.T)
-    return next((rotation for rotation in found if np.isfinite(rotation)), np.nan)
+def _moved(
+    found: Evidence, i: int, curves: ClosedCurves | Rotation | None, protocol: RegimeProtocol
+) -> tuple[str, float | None]:
+    """Why motion i is no longer where it was when it first seemed quasi-periodic, "" where it is.
+
+    With the factor by which it settles per period, if it does. Two windows in a row cannot tell a
+    slow decay from none; two that lie thousands of periods apart can.
+    """
+    former, ago = found.history.former[i], float(found.history.ago[i])
+    if former is None:
+        return "", None
+    now, before = (_series(each, found.drifting) for each in (found.strobes[i], former))
+    if isinstance(curves, ClosedCurves):
+        if curves.meets(before) < _SAME:
+            return _long_period(protocol), None
+        if curves.away(before) <= BEND:
+            left = curves.nearing(before)
+            settles = f"strobes come to a cycle on a closed curve: {_SETTLES}"
+            return ("", None) if left >= _NEARING else (settles, left ** (1.0 / ago))
+        why = "the closed curve on which strobes lie shrinks"
+    else:
+        why = SHRINKING
+    still, floor = ~found.drifting, np.zeros(now.shape[1])
+    if np.any(still):
+        floor = rest_floor(found.strobes[i][:, still], found.sizes[i, still], found.match)
+    moves = shrunk(before, now, floor)
+    if moves is not None:
+        ratio = float((np.ptp(now, axis=0)[moves] / np.ptp(before, axis=0)[moves]).max())
+        return f"{why}: {_SETTLES}", ratio ** (1.0 / ago)
+    if isinstance(curves, ClosedCurves):
+        return "the closed curve on which strobes lie still moves; give a longer transient=", None
+    return "", None
+
+
+def _cure(curves: ClosedCurves | Rotation | None, protocol: RegimeProtocol) -> str:
+    """What tells more of a motion that two windows leave undecided."""
+    if isinstance(curves, Rotation) and curves.bend <= BEND and curves.needed:
+        half = float(f"{-(-curves.needed // 2):.2g}")
+        if half <= _MOST_EVIDENCE:
+            return (
+                f"; strobes nearly repeat after {curves.lag} periods and creep along a closed"
+                f" curve, all of which evidence={max(half, protocol.evidence + 1):.0f} sees"
+            )
+        return "; strobes nearly repeat, and may come to a cycle: a longer transient= tells"
+    longer = 4 * max(protocol.evidence, TESTED)
+    return (
+        f"; a longer evidence= tells more, such as {longer}: the error falls then, and the exponent"
+        " of chaos does not"
+    )
 
 
 def _rule(
     rates: tuple[float, float],
     errors: tuple[float, float],
     length: float,
-    rotation: float,
+    curves: ClosedCurves | Rotation | None,
     protocol: RegimeProtocol,
 ) -> str:
     """Why exponents of two windows are those of quasi-periodic motion."""
-    if np.isfinite(rotation):
-        turn = with_error(rotation, 0.5 / protocol.evidence, 4, 1)  # as it is on any circle
-        return f"strobes keep their order on a circle, with the rotation number {turn}"
+    if isinstance(curves, ClosedCurves):
+        # as it is on any circle
+        error = 0.5 * curves.rotation.pieces / protocol.evidence
+        turn, pieces = with_error(told_rotation(curves), error, 4, 1), curves.rotation.pieces
+        where = "a closed curve" if pieces == 1 else f"each of {pieces} closed curves"
+        return f"strobes keep their order on {where}, with the rotation number {turn}"
     if labels.is_near_zero(rates, errors, protocol.evidence * length):
         return "within three errors of zero"
     return "falls as where neighbours part linearly"
@@ -188,7 +293,7 @@ def _undecided(
         )
     told = f"exponents of two windows, {both}"
     if max(rate + labels.ERRORS * error for rate, error in zip(rates, errors, strict=True)) >= 0.0:
-        return f"{told}, decide nothing"
+        return f"{told}, {_NOTHING}"
     if autonomous:
         return f"{told}, say that {_SETTLES}"
     return (
@@ -233,11 +338,18 @@ def _shrinking_factor(looks: Floats, drifting: Bools) -> float:
     return ratio ** (2.0 / len(looks))
 
 
-def _unbounded(label: str, seen: Verdict, found: Evidence, i: int) -> str:
+def _long_period(protocol: RegimeProtocol) -> str:
+    return (
+        f"it has a period of more than {protocol.record // 2} strobes, half the record, for which"
+        " record= must be longer"
+    )
+
+
+def _unbounded(label: str, seen: Verdict, found: Evidence, i: int, *, turns: bool) -> str:
     """Why two windows of states contradict the label of motion i, "" where they do not."""
     earlier, later = found.windows[0][i], found.windows[1][i]
-    if earlier.shape[1] == 0:
-        return ""
+    if earlier.shape[1] == 0 or (turns and label == labels.QUASI_PERIODIC):
+        return ""  # nothing to compare, or a closed curve, which is bounded and does not shrink
     if label == labels.CHAOTIC:
         return "the motion grows tenfold from window to window" if found.run_away[i] else ""
     names = tuple(
@@ -245,7 +357,7 @@ def _unbounded(label: str, seen: Verdict, found: Evidence, i: int) -> str:
     )
     if not found.autonomous:
         still = ~found.drifting
-        why = grows(found.strobes[i][:, still], names, found.sizes[i, still])
+        why = grows(found.strobes[i][:, still], names, found.sizes[i, still], found.seen_before(i))
         if why:
             return why
     if label == labels.LIMIT_CYCLE:
@@ -254,15 +366,14 @@ def _unbounded(label: str, seen: Verdict, found: Evidence, i: int) -> str:
         why = no_closed_orbit(earlier, later, names, sizes, turns, found.match)
     else:
         torus = label == labels.QUASI_PERIODIC and found.autonomous
-        why = travels(earlier, later, names) if torus else ""
+        why = travels(earlier, later, names, found.seen_before(i)) if torus else ""
         why = why or (SHRINKING if found.shrink[i] else "")
     return f"{why}: {_SETTLES}" if why == SHRINKING else why
 
 
-def _series(found: Evidence, i: int) -> Floats:
+def _series(strobes: Floats, drifting: Bools) -> Floats:
     """Numbers for the 0-1 test: the states without drift, or else the steps of drifts."""
-    strobes = found.strobes[i]
-    moving = strobes[1:, ~found.drifting]
+    moving = strobes[1:, ~drifting]
     return moving if moving.shape[1] else np.diff(strobes, axis=0)
 
 
@@ -288,7 +399,9 @@ def _agreeing_test(
     """
     test, contradiction = StrobeTest(np.nan, np.nan), ""
     for values in series.T:
-        test = strobe_test(values, asked=not protocol.is_survey)
+        test = strobe_test(
+            values, asked=not protocol.is_survey, beats=label == labels.QUASI_PERIODIC
+        )
         contradiction = labels.contradiction(label, test.k, test.nearest, turns=turns)
         if not contradiction:
             break

@@ -139,14 +139,17 @@ def label_of_growth(
 
     attracting: label of a motion that others approach although its strobes do not repeat, as a
     direction without growth is left out; "" where there is none
-    turns: whether strobes turn round a circle and come near no cycle, as only neutral motion does;
-    its growth may come and go so evenly that no error is seen
+    turns: whether strobes of both windows keep their order on a closed curve, which chaos does not
+    and which needs no exponent: where neighbours come and go by large factors, or so evenly that no
+    error is seen, the exponent decides nothing
     """
     least = LARGEST_GROWTH / duration
     if rates == (-np.inf, -np.inf):
         return attracting
     if not all(map(math.isfinite, errors)):
         return ""
+    if turns and min(rates) <= least:
+        return QUASI_PERIODIC
     both = float(np.hypot(*errors))
     if abs(rates[0] - rates[1]) > max(ERRORS * both, least):
         return ""
@@ -159,7 +162,7 @@ def label_of_growth(
         return ""
     falls = abs(rates[1]) < FALLING * abs(rates[0])
     near_zero = is_near_zero(rates, errors, duration)
-    return QUASI_PERIODIC if turns or falls or near_zero else ""
+    return QUASI_PERIODIC if falls or near_zero else ""
 
 
 def is_near_zero(rates: tuple[float, float], errors: tuple[float, float], duration: float) -> bool:
@@ -174,12 +177,15 @@ def contradiction(label: str, k: float, nearest: float, *, turns: bool) -> str:
     """How the strobes contradict what an exponent says, "" where they do not.
 
     k: K of the 0-1 test; nearest: how near strobes come to repeating, in their scatter; turns:
-    whether they keep their order on a circle, of which K says nothing
+    whether they keep their order on a closed curve, of which neither says anything: K takes jumps,
+    and beats longer than the series, for chaos
     """
     if label == CHAOTIC and k < K_CHAOTIC:
         return f"K = {k:.2f}"
-    if label == QUASI_PERIODIC and k > K_REGULAR and not turns:
+    if label != QUASI_PERIODIC or turns:
+        return ""
+    if k > K_REGULAR:
         return f"K = {k:.2f}"
-    if label == QUASI_PERIODIC and nearest < NEARLY:
+    if nearest < NEARLY:
         return "strobes nearly repeat, as they do while a motion settles slowly"
     return ""

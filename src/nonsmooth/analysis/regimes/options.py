@@ -12,7 +12,7 @@ from nonsmooth.runs.strobe_times import check_phase, require_period
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
-__all__ = ["RegimeProtocol", "check_system", "make_protocol"]
+__all__ = ["TESTED", "RegimeProtocol", "check_system", "make_protocol"]
 
 TESTED = 200  # strobes of evidence from which the 0-1 test says something
 _LEAST_EVIDENCE = 20  # strobes of which averages of an exponent can be told apart

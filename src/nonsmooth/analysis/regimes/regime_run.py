@@ -17,7 +17,7 @@ from nonsmooth.analysis.exponents.neighbours import (
     strobe_growth,
 )
 from nonsmooth.analysis.regimes import labels
-from nonsmooth.analysis.regimes.by_growth import Evidence, by_growth
+from nonsmooth.analysis.regimes.by_growth import EarlierLooks, Evidence, by_growth
 from nonsmooth.analysis.regimes.labels import Verdict
 from nonsmooth.analysis.regimes.options import RegimeProtocol
 from nonsmooth.analysis.regimes.window import Windows, cyclic_word, window_times
@@ -34,6 +34,7 @@ __all__ = ["first_windows", "settled_regimes"]
 _CLOSING = 0.5  # of the residual of a window is left in the next one while a motion settles
 _ROUNDING = 1e-9  # of a multiplier
 _MORE_LOOKS = 4  # at a motion that was chaotic and is neither that nor settled when it is run on
+_LOOKS_AT_TORI = 2  # at a motion that seemed quasi-periodic, each as far behind the one before
 _UNKNOWN = "the derivatives over a period are not known, as at a graze"
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # its multiples fall evenly into an interval, whatever the motion
 
@@ -100,6 +101,9 @@ class _Motions:
         self.reached = np.zeros(group.count, np.int64)  # strobes passed
         # (M, 2): strobes at which the windows of evidence of the last look begin
         self.evidence = np.zeros((group.count, 2), np.int64)
+        self.history = EarlierLooks.blank(group.count, self.drifting.size)
+        # strobes of the last look at each motion that seemed quasi-periodic, and which is the first
+        self.former: dict[int, tuple[Floats, int]] = {}
         self.verdicts = [Verdict(Status.REFUSED.word, "", 0, np.nan, nothing)] * group.count
         self._tangents = IntervalTangents(group)
 
@@ -140,11 +144,17 @@ class _Motions:
     def run_on(self, chosen: Bools) -> None:
         """Verdicts on motions without an end that are followed further: they may settle, or end.
 
-        One that is looked at on its way from there to what it settles to is looked at again.
+        One that is looked at on its way from there to what it settles to is looked at again: soon
+        where it was chaotic, and as much later where it seemed quasi-periodic, as only two looks
+        that lie far apart tell a slow decay from none.
         """
         before, since = list(self.verdicts), self.evidence[:, 0].copy()
-        going, further = chosen.copy(), self.protocol.confirm
-        for _ in range(1 + _MORE_LOOKS):
+        going, further = chosen.copy(), np.full(chosen.size, self.protocol.confirm)
+        torus = np.array([verdict.label == labels.QUASI_PERIODIC for verdict in before])
+        for look in range(1 + _MORE_LOOKS):
+            going &= ~torus | (look < _LOOKS_AT_TORI)
+            if not np.any(going):
+                return
             self.look(going, self.reached + further, going, None)
             for i in np.flatnonzero(going).tolist():
                 now, first = self.verdicts[i], before[i]
@@ -160,9 +170,7 @@ class _Motions:
                 elif not now.is_settled:
                     self.verdicts[i] = now.unsettled(f"{first.label} at first; later {now.reason}")
                 going[i] = not now.is_settled
-            further = max(self.protocol.transient, self.protocol.record)
-            if not np.any(going):
-                return
+            further[~torus] = max(self.protocol.transient, self.protocol.record)
 
     def _windows(
         self, chosen: Bools, first: Integers, recorded: Recorded | None
@@ -441,7 +449,7 @@ class _Motions:
         known = np.flatnonzero(going & found.has_mode & (found.statuses == Status.COMPLETED))
         evidence = Evidence.of(
             group, known, found.growth[known], states[known, turn - 1 :], self.sizes[known],
-            self.protocol.match,
+            self._history(), self.protocol.match,
         )  # fmt: skip
         for k, i in enumerate(known.tolist()):
             verdict = by_growth(seen[i], evidence, k, self.protocol)
@@ -449,6 +457,16 @@ class _Motions:
                 length = int(self.evidence[i, 1] - self.evidence[i, 0])
                 verdict = replace(verdict, chaotic_for=length)
             self.verdicts[i] = verdict
+            if verdict.label == labels.QUASI_PERIODIC or i in self.former:
+                self.former[i] = evidence.strobes[k], int(self.evidence[i, 0])
+        self.history = self.history.after(known, evidence.strobes)
+
+    def _history(self) -> EarlierLooks:
+        """What was seen before this look."""
+        former, ago = list(self.history.former), self.history.ago.copy()
+        for i, (strobes, first) in self.former.items():
+            former[i], ago[i] = strobes, self.evidence[i, 0] - first
+        return self.history._replace(former=tuple(former), ago=ago)
 
     def _looks(self, times: Times, turn: int, chosen: Bools) -> Times:
         """Strobes, and behind the turn one more look within every interval, ever elsewhere in it.

@@ -21,7 +21,6 @@ import numpy.typing as npt
 from scipy.spatial import KDTree
 
 from nonsmooth.analysis.passed_events import PassedEvents
-from nonsmooth.analysis.regimes.labels import NEARLY
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.periodicity import nearest_returns, scales, settled_periods
 from nonsmooth.analysis.statistics.rest import halves
@@ -38,9 +37,9 @@ __all__ = [
     "grows",
     "no_closed_orbit",
     "rest_floor",
-    "rotation_number",
     "run_away",
     "shrinks",
+    "shrunk",
     "strobe_test",
     "travels",
     "window_times",
@@ -58,16 +57,18 @@ _OTHERS = np.arange(-1 - _BETWEEN.size, -1)  # places of those looks
 APART = 0.05  # of its spread by which a state may differ between two windows of one closed curve
 _MOST = 0.9  # of the later states lie that close to earlier ones; a cycle has fast parts too
 SHRINKING = "the motion of every state shrinks from window to window"
+_APART_FROM_NOISE = 3.0  # times what halves of a record differ by, and records differ
 _HALF = 0.5  # of the spread of every state at most is left in the next window of a decay
 _RUNAWAY = 10.0  # times the spread of the window before is no bounded motion
 _PARTS = 4  # of both windows, in which a state grows by equal steps or larger ones
 _EQUAL = 0.01  # of a step, to which those of a state that settles slowly are smaller
 _STEADY = 1e-6  # of a step, to which a state moves on by the same amount each period
 _LEAST_STEP = 1e-6  # of the size of a state: smaller ones tell nothing
+_GROWN = 0.01  # of the spread of a state at least, by which growth leaves what was seen before
 _ROUNDING = 1e-9  # of the largest state, whose rounding adds up in others
 _FREQUENCIES = 25  # of the 0-1 test
 _LONGEST = 50  # period that the 0-1 test takes off
-_TURNS = 3  # round a circle in each half of a series, or more, are rotation
+_BEATS = 1.5  # times the distance of strobes a period apart is that of two periods, in a beat
 
 
 def window_times(group: Group, record: int, first: int | Integers, chosen: Bools) -> Times:
@@ -280,52 +281,94 @@ def shrinks(earlier: Floats, later: Floats, floor: Floats) -> Bools:
     """Whether two windows show motions that die away.
 
     All states spread less: by half or more, however short the decay was beside the window, or by
-    as much as tells one set of values from another. A torus or a cycle of which a window shows a
-    part has some states that spread more.
+    as much as tells one set of values from another, whose values differ by as much too. A torus or
+    a cycle of which a window shows a part has some states that spread more, or hardly less.
 
     shapes: earlier and later (..., K, n); floor (..., n): a spread below it is none; returns (...)
     """
     before, now = np.ptp(earlier, axis=-2), np.ptp(later, axis=-2)
     moves = before > floor
-    less = (now <= _HALF * before) | (elsewhere(earlier, later, floor) & (now < before))
+    smaller = elsewhere(earlier, later, floor) & (now < (1.0 - APART) * before)
+    less = (now <= _HALF * before) | smaller
     shrinking = np.where(moves, less, now <= floor)
     return np.asarray(np.any(moves, axis=-1) & np.all(shrinking, axis=-1))
 
 
-def run_away(earlier: Floats, later: Floats) -> Bools:
-    """Whether two windows, (..., K, n) each, show motions that grow tenfold, without bound."""
+def shrunk(before: Floats, now: Floats, floor: Floats) -> Bools | None:
+    """Which states moved, of which all move less than long before; None where they do not.
+
+    Their root mean squares about the mean are less by more than those of the halves of either
+    record differ, as those of a part of a beat do.
+
+    shapes: before and now (K, n), floor (n,): a spread below it is none
+    """
+    moves = np.ptp(before, axis=0) > floor
+    parts = [part for each in (before, now) for part in np.array_split(each[:, moves], 2)]
+    sizes = [part.std(axis=0) for part in parts]
+    noise = np.maximum(np.abs(sizes[1] - sizes[0]), np.abs(sizes[3] - sizes[2]))
+    less = before[:, moves].std(axis=0) - now[:, moves].std(axis=0)
+    return moves if np.any(moves) and np.all(less > _APART_FROM_NOISE * noise) else None
+
+
+def run_away(earlier: Floats, later: Floats, before: tuple[Floats, Floats]) -> Bools:
+    """Whether two windows, (..., K, n) each, show motions that grow tenfold, without bound.
+
+    A burst of a size that was seen before is none.
+
+    before: least and largest values, (..., n) each, of all windows before these
+    """
+    low, high = before
     more = np.ptp(later, axis=-2) > _RUNAWAY * np.ptp(earlier, axis=-2)
-    return np.asarray(np.any(more, axis=-1))
+    beyond = (later.max(axis=-2) > high) | (later.min(axis=-2) < low)
+    return np.asarray(np.any(more & beyond, axis=-1))
 
 
-def travels(earlier: Floats, later: Floats, names: tuple[str, ...]) -> str:
-    """Which states left the range that they had in the window before, "" where none did."""
-    left = (later.min(axis=0) > earlier.max(axis=0)) | (later.max(axis=0) < earlier.min(axis=0))
+def travels(
+    earlier: Floats, later: Floats, names: tuple[str, ...], before: tuple[Floats, Floats]
+) -> str:
+    """Which states left the range that they had in the window before, "" where none did.
+
+    One that only comes back to where it was in ``before``, as in `run_away`, does not travel.
+    """
+    low, high = before
+    left = later.min(axis=0) > np.maximum(earlier.max(axis=0), high)
+    left |= later.max(axis=0) < np.minimum(earlier.min(axis=0), low)
     if not np.any(left):
         return ""
     which = ", ".join(name for name, is_one in zip(names, left, strict=True) if is_one)
     return f"{which} travels: it has left its range of the window before (drift= declares a drift)"
 
 
-def grows(strobes: Floats, names: tuple[str, ...], sizes: Floats) -> str:
+def grows(
+    strobes: Floats, names: tuple[str, ...], sizes: Floats, before: tuple[Floats, Floats]
+) -> str:
     """Which states grow by equal steps or larger ones from part to part, "" where none does.
 
-    What settles grows by smaller and smaller steps, and what is bounded turns back.
+    What settles grows by smaller and smaller steps, and what is bounded turns back. The parts of a
+    beat grow too, by little where each has seen nearly all of it, or for as long as it lasts. So
+    growth is without bound, as far as one can see, where it leaves all that was seen ``before``
+    (as in `run_away`) by as much again. Where nothing was, it is said to grow, and no more.
 
     shapes: strobes (K, n), sizes (n,) of the states since the start
     """
     parts = np.array_split(strobes, _PARTS)
     edges = np.stack([[part.max(axis=0) for part in parts], [-part.min(axis=0) for part in parts]])
     steps = np.diff(edges, axis=1)
-    first, least = steps[:, :1], np.maximum(_LEAST_STEP * sizes, _ROUNDING * sizes.max(initial=0.0))
-    growing = np.any(np.all((steps > least) & (steps >= (1.0 - _EQUAL) * first), axis=1), axis=0)
+    first, least = steps[:, 0], np.maximum(_LEAST_STEP * sizes, _ROUNDING * sizes.max(initial=0.0))
+    higher = np.all((steps > least) & (steps >= (1.0 - _EQUAL) * first[:, None]), axis=1)
+    is_first = not np.all(np.isfinite(before))
+    known = np.stack([before[1], -before[0]])
+    away = steps.sum(axis=1) if is_first else edges[:, 0] - known
+    enough = np.maximum((1.0 - _EQUAL) * first, _GROWN * np.ptp(strobes, axis=0))
+    growing = np.any(higher & (away >= enough), axis=0)
     if not np.any(growing):
         return ""
     each = np.diff(strobes, axis=0)
     steady = growing & (np.ptp(each, axis=0) <= _STEADY * np.abs(each).max(axis=0))
     told = ", ".join(name for name, does in zip(names, growing, strict=True) if does)
     verb = "grow" if np.count_nonzero(growing) > 1 else "grows"
-    said = f"{told} {verb} from window to window, without bound so far"
+    said = f"{told} {verb} from window to window, "
+    said += "as a long beat may do: a larger longest= tells" if is_first else "without bound so far"
     if np.any(steady):
         which = [name for name, does in zip(names, steady, strict=True) if does]
         said += "".join(
@@ -343,38 +386,27 @@ class StrobeTest(NamedTuple):
     nearest: float
 
 
-def strobe_test(values: Floats, *, asked: bool) -> StrobeTest:
-    """Test of one series without its strongest period; K is left open where it is not asked for."""
-    distance = _distances(values, min(_LONGEST, values.size // 4))
-    p = 1 + int(np.argmin(distance))
+def strobe_test(values: Floats, *, asked: bool, beats: bool) -> StrobeTest:
+    """Test of one series without its strongest period; K is left open where it is not asked for.
+
+    A torus near a resonance drifts through its near period: after two of them it is twice as far
+    away as after one. What is left without that period is a beat longer than the series, and K of
+    it is one, as of a random walk. With ``beats`` such a period is not taken off. Where the motion
+    is chaotic, it may be that of bands in which strobes forget slowly, and is.
+    """
+    longest = min(_LONGEST, values.size // 4)
+    distance = _distances(values, 2 * longest)
+    p = 1 + int(np.argmin(distance[:longest]))
+    nearest = float(distance[p - 1])
     if not asked:
-        return StrobeTest(np.nan, float(distance[p - 1]))
+        return StrobeTest(np.nan, nearest)
+    if beats and distance[2 * p - 1] > _BEATS * nearest:
+        p = 1
     rest = values - values.mean()
     for k in range(p):
         rest[k::p] -= rest[k::p].mean()
     k_of_rest = float(np.median(correlations_of(rest, _FREQUENCIES, 0)[1]))
-    return StrobeTest(k_of_rest, float(distance[p - 1]))
-
-
-def rotation_number(values: Floats) -> float:
-    """Part of a circle by which each value of a series turns on, nan where they do not turn.
-
-    A map of a circle onto itself that is continuous and increasing keeps the cyclic order of its
-    points. One coordinate along the circle jumps where it begins anew, as a potential does at the
-    reset of a neuron, and the 0-1 test takes the jumps for noise. The order tells a turn from
-    chaos, which folds the circle (A. Katok and B. Hasselblatt, Introduction to the Modern Theory of
-    Dynamical Systems, 1995, section 11.1). A motion that settles to a cycle may keep it too, and
-    comes close to repeating with some period.
-    """
-    before, after = values[:-1], values[1:]
-    images = after[np.argsort(before)]
-    if np.count_nonzero(images < np.roll(images, 1)) > 1:
-        return np.nan
-    falls = after < before
-    counts = [np.bincount(part, minlength=2) for part in np.array_split(falls.astype(int), 2)]
-    if np.min(counts) < _TURNS or np.min(_distances(values, values.size // 4)) < NEARLY:
-        return np.nan
-    return float(falls.mean())
+    return StrobeTest(k_of_rest, nearest)
 
 
 def _distances(values: Floats, longest: int) -> Floats:
