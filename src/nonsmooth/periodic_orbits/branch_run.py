@@ -24,7 +24,12 @@ from nonsmooth.periodic_orbits.branch_part import (
 )
 from nonsmooth.periodic_orbits.branch_start import tangent_at
 from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word, what_of
-from nonsmooth.periodic_orbits.cycle_end import boundary_of_cycles, end_of_cycles, is_nothing
+from nonsmooth.periodic_orbits.cycle_end import (
+    NOTHING,
+    boundary_of_cycles,
+    end_of_cycles,
+    is_nothing,
+)
 from nonsmooth.periodic_orbits.cycle_plane import direction_on, is_flat, on_new_plane
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.in_words import in_words
@@ -200,6 +205,10 @@ class _StretchWalk:
             else:  # it only touches its plane, where the tangent is that of the flow
                 self.following = self._goes_on_at(point, self._direction)
             return
+        end = self._onto_boundary(point, looked)
+        if end is not None:  # a long step has come to the end of the cycles, where all tests vanish
+            yield end
+            return
         self.stretch.remember(point)
         try:
             self.following, part = change_at(self.stretch, point, looked, self.along)
@@ -279,15 +288,14 @@ class _StretchWalk:
         if looked.other is not None and not point.special and not self.stretch.options.inadmissible:
             self.following = self._with_other_rebounds(looked.other, point)
         elif not point.special and point.arclength > 0.0 and self._needs_new_measures(point):
-            if self._is_nothing(point):
-                if self.stretch.equations.is_smooth_cycle:
-                    self.ended = end_at("shrink", looked, self.stretch)
-                    yield self._shrunk(point, looked)
-                    return
-                end = self._onto_boundary(point, looked)
-                if end is not None:
-                    yield end
-                    return
+            if self.stretch.equations.is_smooth_cycle and self._is_nothing(point):
+                self.ended = end_at("shrink", looked, self.stretch)
+                yield self._shrunk(point, looked)
+                return
+            end = self._onto_boundary(point, looked)
+            if end is not None:
+                yield end
+                return
             self.following = self._goes_on_at(point, (point.tangent_u, point.tangent_p))
 
     def _needs_new_measures(self, point: Point) -> bool:
@@ -313,16 +321,21 @@ class _StretchWalk:
         return self._part(looked, replace(point, special="shrink"), "hopf", SHRINKS)
 
     def _onto_boundary(self, point: Point, looked: Looked) -> BranchPart | None:
-        """The boundary equilibrium to which cycles with events shrink; None if there is none.
+        """The boundary equilibrium to which cycles with events have shrunk; None if not yet.
 
-        Multipliers and durations are those of the last cycle, and hardly change from there on.
+        Multipliers and durations are those of the last cycle, and hardly change from there on; of
+        one that is large enough to have some where the step has come as close as rounding.
         """
         equations, options = self.stretch.equations, self.stretch.options
+        if equations.is_smooth_cycle or not self._is_nothing(point):
+            return None
         found = boundary_of_cycles(equations, point, self.stretch.set_parameter, options.bounds)
         self.stretch.set_parameter(point.p)
         if found is None:
             return None
         p, rest, leg = found
+        if point.special:
+            looked = self._next_to_end(p, rest) or looked
         name = equations.word.exit_text(options.system, leg)
         detail = f"{SHRINKS}, the rest of a mode on the surface of {name!r}"
         message = f"the branch ends at {options.parameter} = {p:.10g}: {detail}"
@@ -333,6 +346,25 @@ class _StretchWalk:
         looked = replace(looked, turn=turn, values=values)
         there = replace(point, p=p, special="shrink")
         return self._part(looked, there, "boundary_equilibrium", detail)
+
+    def _next_to_end(self, p: float, rest: Floats) -> Looked | None:
+        """A cycle that is nothing beside the first, from the last motion; None if not found.
+
+        Cycles at a boundary equilibrium are alike: states go on as the parameter does.
+        """
+        if self._stands is None:
+            return None
+        (before, looked), equations = self._stands, self.stretch.equations
+        self.stretch.set_parameter(before.p)
+        size = float((spread_along(equations, before.u) / self.first).max())
+        share = min(1.0, NOTHING / size)
+        end = equations.pack(replace(looked.turn, states=np.tile(rest, (len(equations.word), 1))))
+        value = p + share * (before.p - p)
+        self.stretch.set_parameter(value)
+        found = solve_orbit(equations, end + share * (before.u - end))
+        if found.status != "completed":
+            return looked
+        return self.stretch.look(replace(before, u=found.unknowns, p=value))
 
     def _goes_on_at(self, point: Point, direction: tuple[Floats, float]) -> BranchStart:
         """The branch goes on at the same orbit with new measures."""
