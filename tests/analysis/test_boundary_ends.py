@@ -7,7 +7,8 @@ closed form of the flight.
 
 import numpy as np
 import pytest
-from scipy.optimize import fsolve
+from scipy.linalg import expm
+from scipy.optimize import brentq, fsolve
 
 import nonsmooth as ns
 
@@ -77,3 +78,95 @@ def test_a_branch_away_from_the_wall_has_no_such_end():
     orbit = ns.find_orbit(system, {"x": 0.1, "v": 0.3})
     branch = ns.continue_orbit(system, "c", (0.5, 2.0), initial=orbit)
     assert "boundary_equilibrium" not in branch["special_kind"].values
+
+
+@pytest.mark.parametrize("wall", [0.7, 5.0, 100.0])
+def test_where_the_wall_stands_does_not_matter(wall):
+    """Cycles of next to nothing at a state that is large beside them, and a force that bends."""
+    z = f"(x - {wall})"
+    system = ns.System(
+        states=["x", "v"],
+        parameters={"c": 1.3, "z": Z, "r": R},
+        modes={
+            "flight": ns.Mode(
+                {"x": "v", "v": f"2*z*v - ({z} + 0.2*{z}**2 - c + {END})"},
+                exits=[ns.Exit(f"x - {wall}", reset={"v": "-r*v"}, name="impact")],
+            )
+        },
+    )
+    orbit = ns.find_orbit(system, {"x": wall + 0.1, "v": 0.3})
+    branch = ns.continue_orbit(system, "c", (-1.0, 2.0), initial=orbit)
+    assert list(branch["special_kind"].values) == ["boundary_equilibrium", "bound"]
+    end = branch.isel(point=0)
+    # the rest has z + 0.2 z**2 = c - END, so that c is as far off as roundings of x
+    assert float(end["c"]) == pytest.approx(END, abs=4e-16 * (1.0 + wall))
+    assert float(end["x"]) == pytest.approx(wall, rel=1e-15)
+    # the last cycle is 1e-5 of the first or so, as are changes by the square, or so large that
+    # 1e7 roundings of x are less than it
+    time, multiplier = cycle()
+    assert float(end["length"]) == pytest.approx(time, rel=1e-6 * (10.0 + wall))
+    assert end["multipliers"].values[0].real == pytest.approx(multiplier, rel=1e-5 * (10.0 + wall))
+
+
+CAPACITY, ATTACK, HANDLING, GAIN, DEATH = 5.0, 1.6, 0.7, 0.75, 0.45
+
+
+def harvest() -> ns.System:
+    """Predators are hunted where they are more than Th, and held there for a while in each turn."""
+    return ns.System(
+        states=["x", "y"],
+        parameters={"Th": 1.0},
+        equations={
+            "x": f"x*(1 - x/{CAPACITY}) - {ATTACK}*x*y/(1 + {HANDLING}*x)",
+            "y": f"{GAIN * ATTACK}*x*y/(1 + {HANDLING}*x) - {DEATH}*y - 0.6*y*heaviside(side)",
+        },
+        surfaces={"side": ns.Surface("y - Th", below="rest", on="slide", above="hunt")},
+        initial={"x": 1.0, "y": 0.3},
+    )
+
+
+def rest_of_harvest():
+    """Rest without hunting, and the linear equations there."""
+    x = DEATH / (GAIN * ATTACK - DEATH * HANDLING)
+    y = (1.0 - x / CAPACITY) * (1.0 + HANDLING * x) / ATTACK
+    eaten, part = 1.0 + HANDLING * x, ATTACK * y / (1.0 + HANDLING * x) ** 2
+    return (
+        x,
+        y,
+        np.array([[1.0 - 2.0 * x / CAPACITY - part, -ATTACK * x / eaten], [GAIN * part, 0.0]]),
+    )
+
+
+def length_of_small_harvest() -> float:
+    """Duration of the cycle of the linear equations that leaves the surface at (0, 1)."""
+    matrix = rest_of_harvest()[2]
+
+    def flow(time: float) -> np.ndarray:
+        return expm(matrix * time) @ np.array([0.0, 1.0])
+
+    back = brentq(lambda time: flow(time)[1] - 1.0, 5.0, 12.0, xtol=1e-14)
+    # on the surface x' = a x + b with y = 1 kept, down to x = 0, where y' is zero below it
+    a, b = matrix[0]
+    return float(back + np.log(b / (a * flow(back)[0] + b)) / a)
+
+
+@pytest.mark.parametrize(
+    ("threshold", "step", "largest"),
+    [(1.0, 0.05, 0.2), (1.0, 1.0, 1.0), (1.1, 0.7, 0.7), (1.3, 0.5, 0.5)],
+)
+def test_cycles_that_slide_end_where_their_rest_is_on_the_surface(threshold, step, largest):
+    """However long the steps are: some come to the end itself, and no cycle there says anything."""
+    x, y, _ = rest_of_harvest()
+    system = harvest().with_parameters(Th=threshold)
+    branch = ns.continue_orbit(
+        system, "Th", (0.3, 2.0), direction="down", step=step, largest_step=largest
+    )
+    assert branch.attrs["end_first"] == "boundary_equilibrium"
+    assert list(branch["special_kind"].values) == ["boundary_equilibrium"]
+    assert "'side'" in str(branch["special_detail"].values[0])
+    end = branch.isel(point=0)
+    assert float(end["Th"]) == pytest.approx(y, rel=4e-15)
+    assert float(end["x"]) == pytest.approx(x, rel=1e-14)
+    assert float(end["y"]) == pytest.approx(y, rel=4e-15)
+    assert float(end["length"]) == pytest.approx(length_of_small_harvest(), rel=1e-6)
+    assert end["multipliers"].values == pytest.approx([0.0], abs=1e-12)

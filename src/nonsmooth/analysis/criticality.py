@@ -146,6 +146,15 @@ def criticality(branch: xr.Dataset, special: int | str | None = None) -> xr.Data
     the graze. A touch behind which contacts last, or a stop has a damper, is not decided, nor is
     one of an orbit that touches at two places at once, as symmetric ones do.
 
+    Where a multiplier is 1 because cycles of all sizes exist at that value of the parameter, as in
+    a linear mode whose rest neither grows nor decays, the largest one of these touches. Its graze
+    is told for the power 3/2: with the right and left eigenvectors v and w of this multiplier and
+    the derivative P of the map by the parameter, :math:`w v = 1`, orbits with contacts exist where
+    the distance p of the parameter has the sign for which
+    :math:`p \, w P + r^{3/2} \sum w E (n v)^{3/2} = 0`, the sum being over all places that are
+    touched. ``amplitude_factor`` times the distance to the power ``amplitude_power`` of 2/3 is the
+    largest depth then, and there are no vectors.
+
     A supercritical point gives stable orbits where ``unstable_directions`` is 0. At a torus within
     0.01 of a strong resonance (rotation number 0, 1/2, 1/3 or 1/4) the coefficient decides nothing.
     A result holds for the itinerary of the orbit. Where an event is close, ``reach`` is small, and

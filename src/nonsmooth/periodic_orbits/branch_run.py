@@ -24,7 +24,13 @@ from nonsmooth.periodic_orbits.branch_part import (
 )
 from nonsmooth.periodic_orbits.branch_start import tangent_at
 from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word, what_of
-from nonsmooth.periodic_orbits.cycle_end import boundary_of_cycles, end_of_cycles, is_nothing
+from nonsmooth.periodic_orbits.cycle_end import (
+    NOTHING,
+    boundary_of_cycles,
+    end_of_cycles,
+    is_nothing,
+    smaller_cycles,
+)
 from nonsmooth.periodic_orbits.cycle_plane import (
     direction_on,
     is_flat,
@@ -37,7 +43,7 @@ from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of, solve_orbit
 from nonsmooth.periodic_orbits.orbit import primitive_parts
 from nonsmooth.periodic_orbits.passing_strobes import orbits_at_strobes
-from nonsmooth.periodic_orbits.step_check import StepCheck
+from nonsmooth.periodic_orbits.step_check import VERTICAL, StepCheck
 from nonsmooth.periodic_orbits.stretch import (
     BranchOptions,
     BranchStart,
@@ -205,6 +211,10 @@ class _StretchWalk:
             else:  # it only touches its plane, where the tangent is that of the flow
                 self.following = self._goes_on_at(point, self._direction)
             return
+        end = self._onto_boundary(point, looked)
+        if end is not None:  # a long step has come to the end of the cycles, where all tests vanish
+            yield end
+            return
         self.stretch.remember(point)
         try:
             self.following, part = change_at(self.stretch, point, looked, self.along)
@@ -283,17 +293,15 @@ class _StretchWalk:
             self.done += not point.special
         if looked.other is not None and not point.special and not self.stretch.options.inadmissible:
             self.following = self._with_other_rebounds(looked.other, point)
-        elif not point.special and point.arclength > 0.0 and self._needs_new_measures(point):
-            if self._is_nothing(point):
-                if self.stretch.equations.is_smooth_cycle:
-                    self.ended = end_at("shrink", looked, self.stretch)
-                    yield self._shrunk(point, looked)
-                    return
+        elif not point.special:
+            end = self._down_to_rest(point, looked)
+            new = end is None and point.arclength > 0.0 and self._needs_new_measures(point)
+            if new:
                 end = self._onto_boundary(point, looked)
-                if end is not None:
-                    yield end
-                    return
-            self.following = self._goes_on_at(point, (point.tangent_u, point.tangent_p))
+            if end is not None:
+                yield end
+            elif new:
+                self.following = self._goes_on_at(point, (point.tangent_u, point.tangent_p))
 
     def _needs_new_measures(self, point: Point) -> bool:
         """Whether steps are measured by another size, or the cycle passes its plane too flat."""
@@ -303,6 +311,35 @@ class _StretchWalk:
         self.stretch.set_parameter(point.p)
         return equations.is_smooth_cycle and is_flat(equations, point.u)
 
+    def _down_to_rest(self, point: Point, looked: Looked) -> BranchPart | None:
+        """The rest to which a cycle without events has shrunk, or does with nothing on the way."""
+        if not self.stretch.equations.is_smooth_cycle:
+            return None
+        if self._is_nothing(point):
+            self.ended = end_at("shrink", looked, self.stretch)
+            return self._shrunk(point, looked)
+        rest = self._end_of(point) if self._leads_straight_to_rest(point) else None
+        if rest is None:
+            return None
+        self.ended = end_at("shrink", looked, self.stretch)
+        return self._at_rest(*rest)
+
+    def _leads_straight_to_rest(self, point: Point) -> bool:
+        """Whether the cycles on the way to the rest are this one, scaled.
+
+        At one value of the parameter cycles of a linear mode have any size. They are all alike, and
+        the branch along them is a straight line.
+        """
+        low, high = self.stretch.options.bounds
+        if not abs(point.tangent_p) <= VERTICAL * (high - low):
+            return False
+        self.stretch.set_parameter(point.p)
+        smaller, scale = smaller_cycles(self.stretch.equations, point.u), self.stretch.scale
+        if not smaller or (smaller[0] - point.u) / scale @ (point.tangent_u / scale) <= 0.0:
+            return False
+        found = [self.stretch.look(replace(point, u=each)) for each in smaller]
+        return all(each.admissibility.admissible and not broken_tests(each) for each in found)
+
     def _is_nothing(self, point: Point) -> bool:
         """Whether a cycle has shrunk to a point."""
         self.stretch.set_parameter(point.p)
@@ -310,24 +347,35 @@ class _StretchWalk:
 
     def _shrunk(self, point: Point, looked: Looked) -> BranchPart:
         """The point to which cycles shrink: the rest there, or the last cycle if none is found."""
+        return self._at_rest(*(self._end_of(point) or (point, looked)))
+
+    def _end_of(self, point: Point) -> tuple[Point, Looked] | None:
+        """The rest to which cycles shrink."""
         equations, bounds = self.stretch.equations, self.stretch.options.bounds
         end = end_of_cycles(equations, point, self.stretch.set_parameter, bounds)
-        self.stretch.set_parameter(point.p if end is None else end.p)
-        if end is not None:
-            point, looked = end, self.stretch.look(end)
+        self.stretch.set_parameter(point.p)
+        return None if end is None else (end, self.stretch.look(end))
+
+    def _at_rest(self, point: Point, looked: Looked) -> BranchPart:
+        self.stretch.set_parameter(point.p)
         return self._part(looked, replace(point, special="shrink"), "hopf", SHRINKS)
 
     def _onto_boundary(self, point: Point, looked: Looked) -> BranchPart | None:
-        """The boundary equilibrium to which cycles with events shrink; None if there is none.
+        """The boundary equilibrium to which cycles with events have shrunk; None if not yet.
 
-        Multipliers and durations are those of the last cycle, and hardly change from there on.
+        Multipliers and durations are those of the last cycle, and hardly change from there on; of
+        one that is large enough to have some where the step has come as close as rounding.
         """
         equations, options = self.stretch.equations, self.stretch.options
+        if equations.is_smooth_cycle or not self._is_nothing(point):
+            return None
         found = boundary_of_cycles(equations, point, self.stretch.set_parameter, options.bounds)
         self.stretch.set_parameter(point.p)
         if found is None:
             return None
         p, rest, leg = found
+        if point.special:
+            looked = self._next_to_end(p, rest) or looked
         name = equations.word.exit_text(options.system, leg)
         detail = f"{SHRINKS}, the rest of a mode on the surface of {name!r}"
         message = f"the branch ends at {options.parameter} = {p:.10g}: {detail}"
@@ -338,6 +386,25 @@ class _StretchWalk:
         looked = replace(looked, turn=turn, values=values)
         there = replace(point, p=p, special="shrink")
         return self._part(looked, there, "boundary_equilibrium", detail)
+
+    def _next_to_end(self, p: float, rest: Floats) -> Looked | None:
+        """A cycle that is nothing beside the first, from the last motion; None if not found.
+
+        Cycles at a boundary equilibrium are alike: states go on as the parameter does.
+        """
+        if self._stands is None:
+            return None
+        (before, looked), equations = self._stands, self.stretch.equations
+        self.stretch.set_parameter(before.p)
+        size = float((spread_along(equations, before.u) / self.first).max())
+        share = min(1.0, NOTHING / size)
+        end = equations.pack(replace(looked.turn, states=np.tile(rest, (len(equations.word), 1))))
+        value = p + share * (before.p - p)
+        self.stretch.set_parameter(value)
+        found = solve_orbit(equations, end + share * (before.u - end))
+        if found.status != "completed":
+            return looked
+        return self.stretch.look(replace(before, u=found.unknowns, p=value))
 
     def _goes_on_at(self, point: Point, direction: tuple[Floats, float]) -> BranchStart:
         """The branch goes on at the same orbit with new measures."""

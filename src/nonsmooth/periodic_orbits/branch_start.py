@@ -13,6 +13,7 @@ from nonsmooth.continuation.point import Point
 from nonsmooth.errors import NonsmoothError
 from nonsmooth.periodic_orbits.branch_tests import BranchTests, is_of_word, what_of
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.family import member_of_family
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import null_vector, scale_of, solve_orbit
@@ -35,6 +36,7 @@ Floats = npt.NDArray[np.float64]
 
 REGULAR = ("graze", "corner", "slide", "enter")  # tests that are smooth where a leg begins
 _SOLVED = 1e-7  # scaled residual of a start where the equations are singular
+_ASTRAY = 1e-6  # of the size of an orbit that changes its word: as far from its guess as none is
 _NEWTON = 20
 _SMALL = 1e-6  # scaled step that tells which way a test grows
 _BEYOND = 1e-6  # of a test of the word that is negative at a start, more than rounding is
@@ -99,8 +101,15 @@ def _begin_change(stretch: BranchStretch, change: Change, point: Point) -> Branc
 def _solve(
     equations: OrbitEquations, unknowns: Floats, value: float
 ) -> tuple[Floats, float] | None:
-    """The orbit at this parameter; the guess itself where it is one and the equations singular."""
+    """The orbit at this parameter; the guess itself where it is one and the equations singular.
+
+    Of a family of cycles of all sizes it is the nearest one.
+    """
     solution = solve_orbit(equations, unknowns)
+    if equations.autonomous:
+        away = np.abs((solution.unknowns - unknowns) / scale_of(equations, unknowns)).max()
+        member = member_of_family(equations, unknowns) if not away <= _ASTRAY else None
+        solution = member or solution
     if solution.status == "completed":
         return solution.unknowns, value
     return (solution.unknowns, value) if solution.residual <= _SOLVED else None

@@ -20,17 +20,20 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.continuation.point import Point
-from nonsmooth.periodic_orbits.cycle_plane import spread_of_cycle, states_of_cycle
+from nonsmooth.periodic_orbits.cycle_plane import spread_of, states_of_cycle
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["boundary_of_cycles", "end_of_cycles", "is_nothing"]
+__all__ = ["NOTHING", "boundary_of_cycles", "end_of_cycles", "is_nothing", "smaller_cycles"]
 
 Floats = npt.NDArray[np.float64]
 
-_NOTHING = 1e-5  # of the spread of the first orbit
+NOTHING = 1e-5  # of the spread of the first orbit
 _ROUNDINGS = 1e3 * float(np.finfo(float).eps)  # of a cycle, beside the states along it
+_DIGITS = 1e-7  # of a cycle with events, to which it is known at least
+_SMALLER = (0.5, 0.1, 1e-2, 1e-3)  # sizes of cycles that are looked at beside one
+_ALIKE = 1e-9  # of the size of a cycle, by which it may fail to close
 _PLACES = 32  # along a cycle with events, at which it is looked at
 _PART = 0.25  # of a turn, over which perturbations of the rest are followed
 _NEWTON = 20
@@ -46,13 +49,31 @@ def is_nothing(equations: OrbitEquations, unknowns: Floats, first: Floats) -> bo
     """
     if not equations.autonomous:
         return False
-    if not equations.is_smooth_cycle:
-        states = _states_with_events(equations, unknowns)
-        return float((np.ptp(states, axis=0) / first).max()) <= _NOTHING
-    states = states_of_cycle(equations, unknowns)
-    share = float((spread_of_cycle(equations, unknowns) / first).max())
+    smooth = equations.is_smooth_cycle
+    states = (states_of_cycle if smooth else _states_with_events)(equations, unknowns)
+    share = float((np.ptp(states, axis=0) / first).max())
     rounding = _ROUNDINGS * float((np.abs(states).max(axis=0) / first).max())
-    return share <= _NOTHING or share**3 <= rounding
+    return share <= NOTHING or (share**3 if smooth else _DIGITS * share) <= rounding
+
+
+def smaller_cycles(equations: OrbitEquations, unknowns: Floats) -> list[Floats]:
+    """A cycle without events scaled down about its middle, if all of these are cycles; else none.
+
+    So it is in a linear mode, for the parameter at which the motion about the rest neither grows
+    nor decays.
+    """
+    stays, n = ~equations.drifting, equations.legs.n
+    states = states_of_cycle(equations, unknowns)
+    middle, spread = states.mean(axis=0), spread_of(states)
+    rounding, found = _ROUNDINGS * np.abs(states).max(axis=0) / spread, []
+    for share in _SMALLER:
+        scaled = unknowns.copy()
+        scaled[:n][stays] = (middle + share * (unknowns[:n] - middle))[stays]
+        gaps = np.abs(equations.evaluate(scaled)[0][:n]) / spread
+        if np.any((gaps > share * _ALIKE + rounding)[stays]):
+            return []
+        found.append(scaled)
+    return found
 
 
 def end_of_cycles(

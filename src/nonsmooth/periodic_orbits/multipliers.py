@@ -132,13 +132,17 @@ def _without_flow(vectors: Floats, found: LegResults, fastest: Integers) -> Floa
 
 
 def _has_flow(equations: OrbitEquations, found: LegResults) -> bool:
-    """Whether perturbations along the flow are known: not at rest, where its rates are rounding."""
+    """Whether perturbations along the flow are known: not at rest, where its rates are rounding.
+
+    Those of a cycle are carried to the ones at its end, which are those at its start.
+    """
     if not equations.is_smooth_cycle:
         return equations.autonomous
     stays, n = ~equations.drifting, equations.legs.n
     flow = found.flow[0, :n].T[np.ix_(stays, stays)]
-    gap = flow @ found.start_rates[0, stays] - found.end_rates[0, stays]
-    return bool(np.linalg.norm(gap) < _CARRIED * np.linalg.norm(found.end_rates[0, stays]))
+    begin, end = found.start_rates[0, stays], found.end_rates[0, stays]
+    gap = np.maximum(np.abs(flow @ begin - end), np.abs(end - begin))
+    return bool(np.linalg.norm(gap) < _CARRIED * np.linalg.norm(end))
 
 
 def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:

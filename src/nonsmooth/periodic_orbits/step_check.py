@@ -19,13 +19,14 @@ from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import UNBOUNDED, Floquet
 from nonsmooth.periodic_orbits.stretch import BranchStart, BranchStretch
 
-__all__ = ["StepCheck"]
+__all__ = ["VERTICAL", "StepCheck"]
 
 _SHORTEST = 1e-6  # arclength of a step that is taken as it is
 _FIRST = 0.1  # the same as part of the first step, until an orbit behind a change is a motion
 _NEAR = 1e-6  # distance from the unit circle within which a multiplier is on neither side
 _NEAR_AT_START = 1e-3  # the same where the branch begins, perhaps at a special point
 _STILL = 1e-6  # part of a slope of the parameter by the arclength that is none
+VERTICAL = 1e-10  # of the range by the arclength: slopes that rounding makes along a family
 _AT_ONCE = 1e-6  # arclength between changes of the word that are one
 _FOLDS = ("fold", "branch_point")
 
@@ -56,7 +57,8 @@ class StepCheck:
         if not self._stand(points, looked, end):
             return length <= (_FIRST * self._stretch.options.step if self._new else least)
         self._new = False
-        if not is_explained(points[: end + 1], looked[: end + 1]):
+        low, high = self._stretch.options.bounds
+        if not is_explained(points[: end + 1], looked[: end + 1], high - low):
             if length > least:
                 return False
             self.unexplained.append(points[end].p)
@@ -95,8 +97,11 @@ def _change_of_word(points: Sequence[Point], looked: Sequence[Looked]) -> int:
     return len(points) - 1
 
 
-def is_explained(points: Sequence[Point], looked: Sequence[Looked]) -> bool:
-    """Whether the multipliers at both ends differ as the special points in between say."""
+def is_explained(points: Sequence[Point], looked: Sequence[Looked], width: float) -> bool:
+    """Whether the multipliers at both ends differ as the special points in between say.
+
+    And whether the parameter turns back as they say; ``width`` is its range.
+    """
     first, last = looked[0].multipliers, looked[-1].multipliers
     near = _NEAR if points[0].arclength > 0.0 else _NEAR_AT_START
     inner = list(zip(points[1:], looked[1:], strict=True))
@@ -104,7 +109,7 @@ def is_explained(points: Sequence[Point], looked: Sequence[Looked]) -> bool:
         kind: sum(p.special == kind and is_critical(each, kind) for p, each in inner)
         for kind in (*_FOLDS, "flip", "torus")
     }
-    if not _turns_are_told(points):
+    if not _turns_are_told(points, width):
         return False
     for critical, kinds in ((1.0, _FOLDS), (-1.0, ("flip",))):
         sides = _side(first, critical, near) * _side(last, critical, _NEAR)
@@ -117,10 +122,14 @@ def is_explained(points: Sequence[Point], looked: Sequence[Looked]) -> bool:
     return abs(after - before) <= sum(count.values()) + count["torus"]
 
 
-def _turns_are_told(points: Sequence[Point]) -> bool:
-    """Whether the parameter turns back as often as there are folds, or as rounding may say."""
+def _turns_are_told(points: Sequence[Point], width: float) -> bool:
+    """Whether the parameter turns back as often as there are folds, or as rounding may say.
+
+    Along a family of cycles of all sizes it stays where it is.
+    """
     slopes = [points[0].tangent_p, points[-1].tangent_p]
-    still = min(map(abs, slopes)) <= _STILL * max(map(abs, slopes))
+    largest = max(map(abs, slopes))
+    still = min(map(abs, slopes)) <= _STILL * largest or largest <= VERTICAL * width
     at_fold = still or points[-1].special in _FOLDS
     turns = sum(point.special == "fold" for point in points[1:])
     return at_fold or (slopes[0] * slopes[1] < 0.0) == (turns % 2 == 1)

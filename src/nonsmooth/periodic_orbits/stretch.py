@@ -161,15 +161,16 @@ def scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:
     """What counts as large for each unknown, states within the legs included.
 
     Where an orbit grazes, its velocity at the events is small and not so in between: steps of a
-    branch that were measured by it would be tiny. A cycle without events may be small beside the
-    state that it surrounds: steps that were measured by that would lead past its end.
+    branch that were measured by it would be tiny. A cycle of a system that nothing drives may be
+    small beside the state that it surrounds: steps that were measured by that would lead past its
+    end.
     """
     scale, count = scale_of(equations, unknowns), len(equations.word)
-    if equations.is_smooth_cycle:
-        scale[: equations.legs.n] = spread_of_cycle(equations, unknowns)
+    n_states = count * equations.legs.n
+    if equations.autonomous:
+        scale[:n_states] = np.tile(spread_along(equations, unknowns), count)
         return scale
     size = largest_along(equations, equations.unpack(unknowns))
-    n_states = count * equations.legs.n
     scale[:n_states] = np.maximum(scale[:n_states], np.tile(size, count))
     return scale
 

@@ -6,6 +6,11 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.normal_forms.directional import Estimate, derivative
+from nonsmooth.analysis.normal_forms.family_graze import (
+    away_from_touches,
+    behind_family,
+    direction_of_family,
+)
 from nonsmooth.analysis.normal_forms.normal_form import UNDECIDED, NormalForm, side_of
 from nonsmooth.analysis.normal_forms.touch import NoTouch, Touch, touch_of
 from nonsmooth.periodic_orbits.word_map import WordMap
@@ -34,10 +39,13 @@ def form_of_grazing(near: WordMap, test: str, width: float, name: str) -> Normal
             " orbit that does not touch"
         )
     leg, guard = map(int, numbers)
-    others = near.vanishing - {test}
-    if others:
-        return NormalForm(detail="the orbit touches something else too: two things happen at once")
+    elsewhere = away_from_touches(near)
     try:
+        along = direction_of_family(elsewhere)
+        if along is not None:
+            return behind_family(elsewhere, along, name)
+        if (near.vanishing | elsewhere.vanishing) - {test}:
+            raise NoTouch("the orbit touches something else too: two things happen at once")
         touch = touch_of(near, leg, guard)
         depth = _rate_of_depth(near, leg, guard, width)
     except NoTouch as fault:
