@@ -149,10 +149,11 @@ def regime(
         to window, beyond all that was seen before, as in a motion that runs away. The motion is
         then run on for ``confirm`` periods, and looked at again. Where it has settled or ended, the
         label is that of what it came to; where it is on its way, it is looked at up to four times
-        more, ever later. No finite run tells chaos from a longer transient, so ``chaotic_for``
-        counts the periods from the first window with an exponent above zero to the last one. A
-        transient whose motions leave it at the rate k per period lasts as long with the probability
-        exp(-k N), so the rate is below ``escape_rate_below`` = -log(0.05)/N with 95 % confidence.
+        more, ever later. No finite run tells chaos from a longer transient, so
+        ``chaotic_for`` counts the periods from the first window with an exponent above zero to the
+        last one. A transient whose motions leave it at the rate k per period lasts as long with the
+        probability exp(-k N), so the rate is below ``escape_rate_below`` = -log(0.05)/N with 95 %
+        confidence.
     ``quasi-periodic``
         The motion is driven, and the strobes of both windows keep the order of a rotation on a
         closed curve, or on several in turn: the polygon through them in that order turns by at
