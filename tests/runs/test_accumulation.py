@@ -180,7 +180,8 @@ def test_impacts_that_hand_over_get_a_cure_that_applies():
 def test_switches_that_wind_themselves_onto_a_point_of_one_surface():
     """A fused focus: x = -+a at y = 0 lasts a turn of 4a or so, and shrinks by a part of a in it.
 
-    So turns are without end in any finite number, and nothing has come to rest.
+    So turns are without end in any finite number, and nothing has come to rest. In half a turn
+    x' = 1 - 0.3 x takes 0.2 a^2 off a, so a = 5/n after n of them, up to a part of log(n)/n.
     """
     focus = System(
         states=["x", "y"], equations={"x": "-1 + 2*heaviside(-y) - 0.3*x", "y": "x"},
@@ -188,7 +189,7 @@ def test_switches_that_wind_themselves_onto_a_point_of_one_surface():
     )  # fmt: skip
     run = ns.simulate(focus, t_end=500.0)
     assert run.attrs["status"] == "event_limit"
-    assert abs(run["end_state"].values[0]) > 1e-4  # it still moves
+    assert abs(run["end_state"].values[0]) * run.attrs["n_events"] == pytest.approx(5.0, rel=1e-3)
     message = run.attrs["message"]
     assert "switches of one surface follow each other ever faster" in message
     assert "impacts" not in message and "two surfaces" not in message
@@ -202,3 +203,71 @@ def test_switches_of_two_surfaces_are_told_to_meet():
     focus = System(states=["x", "v"], equations={"x": "v", "v": "-x - 0.1*sign(v + x) - sign(x)"})
     message = ns.simulate(focus, {"x": 1.0, "v": 0.5}, t_end=50.0).attrs["message"]
     assert message.startswith("event_limit") and "meeting of two surfaces" in message
+
+
+def firing(rate: str, reset: dict[str, str], **more) -> System:
+    """A neuron that fires where v comes to one."""
+    fires = Mode({"v": rate}, exits=[Exit("1 - v", reset=reset, name="spike")])
+    return System(name="fires", states=["v"], modes={"sub": fires}, initial={"v": 0.0}, **more)
+
+
+@on_both_flows
+def test_events_at_steady_intervals_do_not_accumulate_however_many_there_are(flow):
+    """A spike every log(I/(I - 1)): 9995 of them in 20 units of time, 49949 in a hundred."""
+    system = flow(firing("I - v", {"v": "0"}, parameters={"I": 500.0}))
+    run = ns.simulate(system, t_end=100.0, events=False)
+    assert run.attrs["message"] == "completed" or run.attrs["n_estimated"]
+    assert run.attrs["n_events"] == int(100.0 / np.log(500.0 / 499.0))
+
+
+def test_many_events_in_a_declared_period_do_not_accumulate_either():
+    system = firing("I - v", {"v": "0"}, parameters={"I": 500.0}, period=64.0)
+    run = ns.simulate(system, periods=2, events=False)
+    assert run.attrs["n_events"] == int(128.0 / np.log(500.0 / 499.0))
+
+
+def test_spiking_that_gets_a_thousand_times_faster_at_once_is_no_accumulation():
+    """v' = 2000 from t = 20 on, and 2 before: 40 spikes, and then 2000 a unit of time."""
+    system = firing("2 + 1998*heaviside(t - 20)", {"v": "0"})
+    run = ns.simulate(system, t_end=70.0, events=False)
+    assert run.attrs["status"] == "completed"
+    assert abs(run.attrs["n_events"] - (40 + 50 * 2000)) <= 1
+
+
+def test_spiking_that_gets_faster_as_e_to_the_t_is_followed_for_long():
+    """w' = w with w = 1 at first: exp(t) - 1 turns until t, 59873 until t = 11."""
+    fires = Mode({"w": "w", "v": "w"}, exits=[Exit("1 - v", reset={"v": "v - 1"}, name="spike")])
+    system = System(states=["w", "v"], modes={"m": fires}, initial={"w": 1.0, "v": 0.0})
+    run = ns.simulate(system, t_end=11.0, events=False)
+    assert run.attrs["status"] == "completed"
+    assert run.attrs["n_events"] == int(np.exp(11.0) - 1.0)
+
+
+@pytest.mark.filterwarnings("ignore::nonsmooth.RunWarning")
+@pytest.mark.parametrize("more", [{}, {"period": 1.0}, {"period": 1e6}])
+def test_rebounds_that_lose_little_end_soon_before_their_instant_of_rest(more):
+    """A ball with r = 0.999 rests at sqrt(2) (1 + r)/(1 - r), after infinitely many rebounds.
+
+    After n of them r^n of the time is left: 5e-5 of it after 10000.
+    """
+    mode = Mode({"x": "v", "v": "-1"}, exits=[Exit("x", reset={"v": "-0.999*v"})])
+    system = System(states=["x", "v"], modes={"m": mode}, initial={"x": 1.0}, **more)
+    run = ns.simulate(system, t_end=1e4, events=False)
+    assert run.attrs["status"] == "event_limit" and "period" not in run.attrs["message"]
+    end = run.attrs["end_number"] * run.attrs["window"] + run.attrs["end_phase"]
+    rest = np.sqrt(2.0) * 1.999 / 0.001
+    assert run.attrs["n_events"] <= 20_000
+    assert rest * (1.0 - 2.0 * 0.999 ** run.attrs["n_events"]) < end < rest
+
+
+@pytest.mark.filterwarnings("ignore::nonsmooth.RunWarning")
+def test_intervals_like_one_over_k_squared_accumulate():
+    """w = 1/(1 - t) makes v' = w^2 turn over for the k-th time at t = k/(k + 1).
+
+    A million turns take 0.999999 units of time, and there is no end of them before t = 1.
+    """
+    fires = Mode({"w": "w**2", "v": "w**2"}, exits=[Exit("1 - v", reset={"v": "v - 1"})])
+    system = System(states=["w", "v"], modes={"m": fires}, initial={"w": 1.0, "v": 0.0})
+    run = ns.simulate(system, t_end=0.9999999, events=False)
+    assert run.attrs["status"] == "event_limit"
+    assert run.attrs["n_events"] <= 20_000

@@ -88,13 +88,14 @@ CURES: dict[Status, str] = {
         " exit's reset= if it shall jump"
     ),
     Status.EVENT_LIMIT: (
-        "impacts accumulate: more than 100 at one instant or 10000 events in one period. Does"
+        "impacts accumulate: more than 100 at one instant, or thousands that come ever faster. Does"
         " the reset reverse the speed? If it does, the motion comes to rest on the surface: give"
         " the exit a mode for that, sticks='rest'. If another mode or a reset has put the state"
         " behind the surface, where the guard is negative, a reversed speed does not bring it back:"
         " change that mode or reset so that the guard is not negative behind it. Switches without"
         " a reset accumulate where the motion winds itself into the meeting of two surfaces: smooth"
-        " one of them"
+        " one of them. Events that are meant to come ever faster have no end: end the run before,"
+        " by t_end="
     ),
     Status.STEP_LIMIT: (
         "the run hardly advances: more than a million looks at one flight, or steps so short that"
@@ -136,16 +137,17 @@ CURES: dict[Status, str] = {
 
 # what to say of events that accumulate in other ways than impacts of one mode
 SWITCHES_ACCUMULATE = (
-    "switches of one surface follow each other ever faster, more than 100 at one instant or 10000"
-    " in one period: the motion winds itself onto a point of the surface, which may take for ever,"
-    " and no reset is passed. End the run before, by t_end= or an exit to 'stop' near the point;"
-    " with a mode in which the motion rests, or slides, send it there by such an exit"
+    "switches of one surface follow each other ever faster, more than 100 at one instant or"
+    " thousands, and no end of it: the motion winds itself onto a point of the surface, which may"
+    " take for ever, and no reset is passed. End the run before, by t_end= or an exit to 'stop'"
+    " near the point; with a mode in which the motion rests, or slides, send it there by such an"
+    " exit"
 )
 RELAYED_ACCUMULATE = (
-    "impacts that hand over from mode to mode accumulate: more than 100 at one instant or 10000"
-    " events in one period. The motion comes to rest on the surface, and sticks= does not stand"
-    " beside to=: give each of these modes one more exit, to a mode of rest or to 'stop', where"
-    " little motion is left, such as Exit('x**2 + v**2 - 1e-8', to='rest')"
+    "impacts that hand over from mode to mode accumulate: more than 100 at one instant, or"
+    " thousands that come ever faster. The motion comes to rest on the surface, and sticks= does"
+    " not stand beside to=: give each of these modes one more exit, to a mode of rest or to 'stop',"
+    " where little motion is left, such as Exit('x**2 + v**2 - 1e-8', to='rest')"
 )
 
 SETUP_ERRORS: dict[Status, str] = {

@@ -161,6 +161,8 @@ class _SlowRun:
         if fault:
             self.history.fault = fault
             return Status.REFUSED
+        passed = (period.number - self.anchor.number) * self.tables.window - self.anchor.phase
+        self.records.counters["block_time"] += passed
         self.enter(period, tables)
         self._begin(period.number)
         return Status.COMPLETED

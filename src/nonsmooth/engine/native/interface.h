@@ -179,10 +179,14 @@ typedef struct EventRow {
 /* samples written, events logged, events in this window, uncertain ones, events in a row between
  * which time did not advance, segments of this call, impacts in a row of one exit, and which exit
  * that is, steps in a row that lead nowhere, events since the run began, logged or not, steps of
- * Taylor series whose errors were estimated */
+ * Taylor series whose errors were estimated; of the block of events that is counted: its events,
+ * those that rounding leaves open, and how many there will be; blocks in a row that were no longer
+ * than the one before; time of this block, of the one before, of the first that was no longer, and
+ * of the longest of all */
 typedef struct Counters {
     int64_t samples, events, window_events, uncertain, stalled, segments, rebounds, last_exit,
-        creeping, happened, estimated;
+        creeping, happened, estimated, block_events, block_open, block_length, shrinking;
+    double block_time, time_before, time_at_first, longest_block;
 } Counters;
 /* where a run has paused within its segment: what it was at, looks behind it, steps of the ladder in
  * a row, level of the next look by signs and looks until then, exit and kind of the crossing that is found, work left in this call, whether the segment is

@@ -17,7 +17,10 @@ struct Shared {
 };
 
 // Put the anchor where window `number` begins, and give the mode in which the run enters it.
-inline Index begin_window(const Anchor& anchor, const Records& records, Index number) {
+inline Index begin_window(const Anchor& anchor, const Records& records, Index number,
+                          double window) {
+    const double windows = static_cast<double>(number - anchor.place.number);
+    records.counters.block_time += windows * window - anchor.phase;
     anchor.place.number = number;
     anchor.phase = 0.0;
     copy(records.end_state, anchor.state);
@@ -42,7 +45,7 @@ inline Status run_windows(const TableStack& stack, const Shared& shared, const A
         mode = status == PAUSED && shared.segment.pause->stage != BETWEEN ? RESUMES : GOES_ON;
         task.passed[1 + k] = records.counters.samples;
         if (status != COMPLETED || left == 0) break;
-        mode = begin_window(anchor, records, number);
+        mode = begin_window(anchor, records, number, tables.clock.window);
         ++behind;
     }
     return status;

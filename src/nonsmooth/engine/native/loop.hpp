@@ -152,6 +152,7 @@ inline void move_anchor(const Run& run, const SegmentTimes& times) {
     if (times.length < times.whole) when = instant_at(run, times.length);
     Counters& counters = run.records.counters;
     if (when.number > anchor.place.number) counters.window_events = 0;
+    counters.block_time += times.length;
     // events at knots begin where a segment has ended: time has advanced between two of them
     if (when.number != anchor.place.number || when.phase != anchor.phase) counters.stalled = 0;
     const int64_t is_estimated = anchor.place.is_estimated | *run.segment.is_estimated;

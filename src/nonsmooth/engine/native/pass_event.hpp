@@ -92,6 +92,9 @@ inline void come_to_event(const Run& run, const Crossing& crossing, WindowPhase 
                           crossing.s <= little * tables.clock.window);
     counters.stalled = stalled ? counters.stalled + 1 : 0;
     counters.window_events = when.number > number ? 1 : counters.window_events + 1;
+    ++counters.block_events;
+    counters.block_open += crossing.found != Found::certified;
+    counters.block_time += crossing.s;
     augment_anchor(run, when);
     fill_signals_at(run, when);
     if (run.tangent.carries()) {
@@ -125,11 +128,62 @@ inline void set_anchor(const Run& run, WindowPhase when, Index m) {
     copy(run.segment.order, anchor.order);
 }
 
-// Whether impacts accumulate.
-inline bool events_accumulate(const Counters& counters) {
-    constexpr Index most_events = 10'000;  // in one window
-    constexpr Index most_stalled = 100;    // between which time does not advance
-    return counters.window_events > most_events || counters.stalled > most_stalled;
+// Whether blocks of events come ever faster, at the end of a block that is not the first.
+//
+// Blocks of n, n, 2n, 4n ... events are compared, by Cauchy's condensation: a sum of intervals that
+// shrink is finite where that over such blocks is. Blocks of steady intervals double; those of
+// intervals like k^-p, whose sum is finite for p > 1, change by 2^(1-p), and those of intervals
+// that shrink by a constant factor by far more. Intervals like 1/k make blocks of one length:
+// there are more and more events for ever, of which only very many tell.
+inline bool blocks_shrink(Counters& counters) {
+    constexpr double no_longer = 1.05;    // than the block before, up to scatter
+    constexpr double shorter = 0.42;      // all in all, after so many blocks: 0.75 each time
+    constexpr Index few = 4, many = 10;  // 16 and 1024 times as many events as in the first block
+    const double time = counters.block_time;
+    if (time > no_longer * counters.time_before) {
+        counters.shrinking = 0;
+        counters.time_before = 0.0;
+        return false;
+    }
+    // the first block may have begun before intervals shrank, or where they were very long
+    if (counters.shrinking == 0) counters.time_at_first = time;
+    ++counters.shrinking;
+    counters.time_before = time;
+    counters.block_length *= 2;
+    const bool is_short = time <= shorter * counters.time_at_first;
+    return (counters.shrinking >= few && is_short) || counters.shrinking >= many;
+}
+
+// Whether events accumulate by what is counted of them.
+//
+// Events at ordinary intervals do not, however many there are in a window. The block that is longer
+// than the one before begins a new comparison, whose first block is as long.
+inline bool blocks_accumulate(Counters& counters, double window) {
+    constexpr Index first = 625;      // events: 10000 until a comparison has its first end
+    constexpr double nothing = 1e-9;  // part of the longest block, or of a window
+    constexpr double nearly = 1e-5;   // likewise, where rounding leaves events open
+    constexpr Index open_share = 4;   // one event of so many
+    if (counters.block_length == 0) counters.block_length = first;
+    if (counters.block_events < counters.block_length) return false;
+    const double time = counters.block_time;
+    counters.longest_block = std::max(counters.longest_block, time);
+    const bool is_open = counters.block_open * open_share >= counters.block_events;
+    const double longest = std::max(counters.longest_block, window);
+    bool accumulate = time <= (is_open ? nearly : nothing) * longest;
+    if (counters.time_before > 0.0) {
+        accumulate = blocks_shrink(counters) || accumulate;
+    } else {
+        counters.time_before = time;
+    }
+    counters.block_events = counters.block_open = 0;
+    counters.block_time = 0.0;
+    return accumulate;
+}
+
+// Whether impacts, or switches, accumulate.
+inline bool events_accumulate(Counters& counters, double window) {
+    constexpr Index most_stalled = 100;  // between which time does not advance
+    return counters.stalled > most_stalled || blocks_accumulate(counters, window);
 }
 
 // How an event has ended, and whether a reset was applied at it.
@@ -162,7 +216,7 @@ inline EventEnd pass_event(const Run& run, const Crossing& crossing, bool begins
     settle_event(run.tables, run.tangent);
     EventEnd end{passage.status, passage.jumped};
     if (begins || passage.status != COMPLETED) return end;
-    if (events_accumulate(counters)) end.status = EVENT_LIMIT;
+    if (events_accumulate(counters, run.tables.clock.window)) end.status = EVENT_LIMIT;
     if (!all_finite(run.anchor.state)) end.status = SINGULAR;  // the reset divides by zero
     return end;
 }
