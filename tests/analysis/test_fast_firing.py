@@ -44,3 +44,36 @@ def test_verbs_complete_with_more_than_ten_thousand_events_in_a_window():
     assert abs(exponents["lyapunov_exponent"].item()) < 3.0 / 100.0
     section = ns.poincare_section(system, section="spike", transient=30, record=10)
     assert np.diff(section["time"].values) == pytest.approx(turn, abs=1e-12)
+
+
+@pytest.mark.parametrize("per_unit", [1e-4, 1.0, 1e6])
+def test_default_lengths_of_exponents_follow_the_motion(per_unit):
+    """200 and 1000 returns, whatever the unit of time: an interval is counted to one in eight."""
+    system = firing(50.0, per_unit)
+    found = ns.lyapunov_spectrum(system)
+    turn = interval(50.0) / per_unit
+    assert found.attrs["record"] == pytest.approx(1000.0 * turn, rel=1.0 / 8.0)
+    assert found.attrs["transient"] == pytest.approx(200.0 * turn, rel=1.0 / 8.0)
+    assert found.attrs["n_events"] == pytest.approx(found.attrs["record"] / turn, abs=1.0)
+    assert abs(found["lyapunov_exponent"].item()) < 3.0 / found.attrs["duration"]
+
+
+def test_default_lengths_are_those_of_the_state_that_returns_most_seldom():
+    """A pair of oscillators of which one turns 30 times while the other one turns once."""
+    system = System(
+        states=["x", "v", "y", "w"],
+        equations={"x": "v", "v": "-900*x", "y": "w", "w": "-y"},
+        initial={"x": 1.0, "v": 0.0, "y": 1.0, "w": 0.0},
+    )
+    found = ns.lyapunov_spectrum(system, exponents=1)
+    assert found.attrs["record"] == pytest.approx(1000.0 * 2.0 * np.pi, rel=1.0 / 8.0)
+
+
+def test_lengths_that_are_given_count_units_of_time():
+    found = ns.lyapunov_spectrum(firing(50.0), transient=1, record=2)
+    assert (found.attrs["transient"], found.attrs["record"]) == (1.0, 2.0)
+    assert found.attrs["n_events"] == pytest.approx(2.0 / interval(50.0), abs=1.0)
+    forced = ns.lyapunov_spectrum(ns.models.soft_impact(), confirm=0)
+    assert (forced.attrs["transient"], forced.attrs["record"]) == (200.0, 1000.0)
+    rests = System(states=["x"], equations={"x": "-x"}, initial={"x": 1.0})
+    assert ns.lyapunov_spectrum(rests)["lyapunov_exponent"].item() == pytest.approx(-1.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import xarray as xr
@@ -16,6 +17,7 @@ from nonsmooth.analysis.exponents.exponent_run import (
     run_exponents,
 )
 from nonsmooth.analysis.exponents.horizon import find_horizon
+from nonsmooth.analysis.exponents.return_time import return_time
 from nonsmooth.analysis.options import SharedOptions, check_seed
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
@@ -33,6 +35,7 @@ from nonsmooth.system.system import System
 __all__ = ["lyapunov_spectrum"]
 
 _MOST_INTERVALS = 1e7  # of transient and record
+_TRANSIENT, _RECORD = 200.0, 1000.0  # periods, or returns of a motion without one
 _PARTS = 256  # intervals of a record without a period, at least
 
 
@@ -40,8 +43,8 @@ def lyapunov_spectrum(
     system: System | StroboscopicMap,
     initial: Mapping[str, float] | xr.Dataset | None = None,
     *,
-    transient: float = 200.0,
-    record: float = 1000.0,
+    transient: float | None = None,
+    record: float | None = None,
     exponents: int | None = None,
     interval: float | None = None,
     confirm: int = 10_000,
@@ -68,11 +71,13 @@ def lyapunov_spectrum(
     Other Parameters
     ----------------
     transient : float, optional
-        What is dropped first, in periods; in units of time for a system without a period.
+        What is dropped first, in periods, 200 by default. In units of time for a system without a
+        period; by default as long as its motion takes to come back 200 times, see notes.
         Derivatives are carried there too, so that they have found their directions; a direction
         that is lost there begins anew.
     record : float, optional
-        Length over which exponents are averaged, in periods or units of time.
+        Length over which exponents are averaged, in periods or units of time; 1000 periods or
+        returns by default.
     exponents : int, optional
         How many exponents, from the largest on; as many as there are states by default.
     interval : float, optional
@@ -108,7 +113,8 @@ def lyapunov_spectrum(
         of the record (as in `bifurcation_diagram`) and its ``duration``, ``chaotic_for`` and
         ``escape_rate_below`` (periods of chaos without an end, and the bound that follows, see
         notes; 0 and nan where it is not chaotic), ``block_length`` (in intervals), ``n_blocks``,
-        ``blocks_independent``, the system as TOML and the options.
+        ``blocks_independent``, the system as TOML and the options; ``transient`` and ``record``
+        are the lengths that were taken.
 
     Raises
     ------
@@ -136,6 +142,13 @@ def lyapunov_spectrum(
     ``exponents=1`` gives that zero, so ask for one more. A direction that is lost at an event of
     the record has the exponent minus infinity exactly: a state becomes slaved, or a mass sticks.
     Strong contraction alone stays a number, however fast.
+
+    A unit of time says nothing of a motion without a period: it may hold a millionth of a cycle,
+    or a million of them. So the default lengths follow the motion. A first look at it, ever longer
+    up to 64 windows or 20000 events, counts how often each state comes up through its mean, and
+    takes the state that does so most seldom. A motion that does not come back there, or ends,
+    counts as if it oscillated as fast as the fastest natural motion. With inputs of ``signals`` the
+    default lengths are 200 and 1000 units of time.
 
     Standard errors come from the averages of 32 blocks of the record, or a few more, each a
     whole number of intervals, and are no smaller than what a cycle that the record cuts off leaves
@@ -189,6 +202,11 @@ def lyapunov_spectrum(
         strobe = strobe.with_parameters(**parameters) if parameters else strobe
         periodic, unit = True, window / (strobe.every * (strobe.length or window))
     start = _start(system, tables, strobe, initial, t_start, shared)
+    if transient is None or record is None:
+        timed = periodic or system.signals
+        one = 1.0 if timed else return_time(system, tables, start, tolerance)
+        transient = _TRANSIENT * one if transient is None else transient
+        record = _RECORD * one if record is None else record
     protocol = _protocol(transient, record, interval, unit, periodic)
     more = whole("confirm", confirm, 0)
     first = start.instant.time(window)
@@ -210,10 +228,14 @@ def lyapunov_spectrum(
         **({} if strobe is None else strobe.protocol),
     }
     length = strobe.length if strobe is not None else None
-    horizon = find_horizon(
-        system, run, protocol, run_from, length=length, window=window, tolerance=tolerance,
-        confirm=more if periodic and not system.signals else 0,
+    look_on = partial(
+        find_horizon, system, run, protocol, run_from, length=length, window=window,
+        tolerance=tolerance,
     )  # fmt: skip
+    try:
+        horizon = look_on(confirm=more if periodic and not system.signals else 0)
+    except KeyboardInterrupt:  # the record is there, and tells what it tells without `confirm`
+        horizon, run = look_on(confirm=0), replace(run, status=Status.INTERRUPTED)
     counts = _counts(strobe, periodic)
     result = exponent_dataset(system, run, horizon, unit, counts, options)
     if run.status not in (Status.COMPLETED, Status.STOPPED):
