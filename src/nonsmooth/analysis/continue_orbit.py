@@ -392,6 +392,8 @@ def both_ways(
                 _end_at_start(parts)
                 break
     parts, said = _joined(found, interrupted)
+    if interrupted and not parts:
+        raise KeyboardInterrupt  # there is not even the first point to keep
     return options, parts, said
 
 

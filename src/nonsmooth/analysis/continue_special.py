@@ -296,6 +296,8 @@ def follow_special(wanted: _Wanted, direction: str) -> tuple[list[BranchPart], d
                     messages = [curve.message]
                     break
     except KeyboardInterrupt:
+        if not any(found.values()):
+            raise  # there is not even the first point to keep
         said["status"] = "interrupted"
         messages.append("interrupted by the user")
     said["message"] = "; ".join(messages)

@@ -84,26 +84,27 @@ def run_exponents(
     """Run the transient and the record from a start; what an interruption leaves is kept."""
     flow, status = _started(system, tables, derivatives, start, count, tolerance)
     growth = Growth(flow, count, seed)
-    steps = _ends(flow, start.instant, protocol)
-    n_transient = len(steps) - protocol.parts
+    steps = _Ends(flow, start.instant, protocol)
+    n_transient = steps.of_transient
     rows, done = [growth.at_anchor[None]], 0
     first = last = flow.counts
     try:
-        with Progress("exponents", len(steps)) as progress:
-            while status == Status.COMPLETED and done < len(steps):
-                limit = n_transient if done < n_transient else len(steps)
-                status, part = growth.through(steps[done : min(done + _TOGETHER, limit)])
+        with Progress("exponents", steps.count) as progress:
+            while status == Status.COMPLETED and done < steps.count:
+                limit = n_transient if done < n_transient else steps.count
+                status, part = growth.through(steps.part(done, min(done + _TOGETHER, limit)))
                 rows.append(part)
                 done += len(part)
                 if status == Status.COMPLETED and done <= n_transient and growth.renew_lost():
-                    status, again = growth.through(steps[done - 1 : done])
+                    status, again = growth.through(steps.part(done - 1, done))
                     part[len(part) - len(again) :] = again  # it belongs to other columns now
                 last = flow.counts
                 first = last if done <= n_transient else first
                 progress.update(done)
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
-    ends = [start.instant, *steps][n_transient : done + 1]
+    ends = steps.part(max(n_transient - 1, 0), done) if done >= n_transient else []
+    ends = ends if n_transient else [start.instant, *ends]
     return ExponentRun(
         status=status,
         times=np.array([end.time(flow.window) for end in ends]),
@@ -137,20 +138,41 @@ def _started(
     return in_first_mode(system, tables, start, begin)
 
 
-def _ends(flow: TangentFlow, start: Instant, protocol: ExponentProtocol) -> list[Instant]:
-    """Ends of the intervals of transient and record, at phases without rounding."""
-    first = protocol.transient
-    n_first = math.ceil(first / protocol.interval - 1e-9)
-    lengths = [first * (k + 1) / n_first for k in range(n_first)]
-    lengths += [first + protocol.record * (k + 1) / protocol.parts for k in range(protocol.parts)]
-    ends = []
-    for length in lengths:
+@dataclass(frozen=True)
+class _Ends:
+    """Ends of the intervals of transient and record, at phases without rounding.
+
+    They are made as they are needed: of a long record there are millions.
+    """
+
+    flow: TangentFlow
+    start: Instant
+    protocol: ExponentProtocol
+
+    @property
+    def of_transient(self) -> int:
+        """Number of those of the transient, which come first."""
+        return math.ceil(self.protocol.transient / self.protocol.interval - 1e-9)
+
+    @property
+    def count(self) -> int:
+        return self.of_transient + self.protocol.parts
+
+    def part(self, first: int, last: int) -> list[Instant]:
+        """Some of them, in order, without the last."""
+        return [self._end(k) for k in range(first, last)]
+
+    def _end(self, k: int) -> Instant:
+        protocol, before = self.protocol, self.of_transient
+        if k < before:
+            length = protocol.transient * (k + 1) / before
+        else:
+            length = protocol.transient + protocol.record * (k + 1 - before) / protocol.parts
         whole = math.floor(length + 1e-12 * max(1.0, length))
         rest = max(0.0, length - whole)
         rest = 0.0 if rest < 1e-12 * max(1.0, length) else rest
-        end = flow.after(start, rest * flow.window)
-        ends.append(Instant(end.number + whole, end.phase))
-    return ends
+        end = self.flow.after(self.start, rest * self.flow.window)
+        return Instant(end.number + whole, end.phase)
 
 
 def is_chaotic(run: ExponentRun) -> bool:

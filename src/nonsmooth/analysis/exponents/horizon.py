@@ -90,6 +90,8 @@ def find_horizon(
     parts = max(2, protocol.parts // 2)
     again = ExponentProtocol(_TURNING * half, half, half / parts, parts)
     after = run_from(later.start, again)
+    if after.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt  # what is kept are the exponents of the record
     if after.status != Status.COMPLETED:
         return Horizon(chaotic_for=half)
     if is_chaotic(after):
