@@ -9,6 +9,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.analysis.exponents import exponent_run, horizon
 from nonsmooth.engine.status import Status
+from nonsmooth.runs import strobe_runner
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.progress import Progress
 
@@ -120,3 +121,19 @@ def test_a_long_record_begins_at_once(monkeypatch):
         found = ns.lyapunov_spectrum(CHAOTIC, transient=64, record=5e6)
     assert found.sizes["time"] == 192 and len(made) <= 1000
     assert np.isfinite(found["lyapunov_exponent"]).all()
+
+
+def test_ctrl_c_while_a_cycle_is_refined_is_no_end_of_its_motion(monkeypatch):
+    """The runs of Newton's method keep nothing, and pass it on to the search, which ends."""
+    given = []
+    real = strobe_runner.run_plan
+
+    def run_plan(*given_to, **how):
+        outcome = real(*given_to, **how)
+        given.append(outcome)
+        return replace(outcome, status=Status.INTERRUPTED) if len(given) == 1 else outcome
+
+    monkeypatch.setattr(strobe_runner, "run_plan", run_plan)
+    found = ns.attractors(MAP, {"x": (-1, 1), "v": (-1, 1)}, samples=20, record=100)
+    assert len(given) == 1
+    assert found.attrs["status"] == "interrupted"

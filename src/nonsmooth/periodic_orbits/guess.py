@@ -345,7 +345,7 @@ def guesses_in_motion(
         )
     except NoMode:
         return
-    rows, after = outcome.events, outcome.event_states[:, 1]
+    rows, after = outcome.unless_interrupted().events, outcome.event_states[:, 1]
     lasting = ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
     rows, after = rows[lasting], after[lasting]
     times = since_strobe(rows["number"], rows["phase"], Instant(first, phase * window), window)

@@ -68,7 +68,7 @@ def _followed(
         )
     except NoMode:
         return None
-    rows, states = outcome.events, outcome.event_states[:, 1]
+    rows, states = outcome.unless_interrupted().events, outcome.event_states[:, 1]
     lasting = ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
     rows, states = rows[lasting][:_MOST], states[lasting][:_MOST]
     paths = [path_of_bits(int(r["path"]), int(r["passes"])) for r in rows]

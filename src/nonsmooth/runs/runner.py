@@ -131,6 +131,12 @@ class Outcome:
     end: Instant
     history: History | None = None  # periods of a run with slow parameters
 
+    def unless_interrupted(self) -> Outcome:
+        """Raise `KeyboardInterrupt` after Ctrl-C, in parts of work that keep nothing; or itself."""
+        if self.status == Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        return self
+
     @property
     def n_uncertain(self) -> int:
         """Number of events that rounding leaves open."""

@@ -151,7 +151,7 @@ class StrobeRunner:
                 )  # fmt: skip
             except NoMode:
                 continue
-            if outcome.status != Status.COMPLETED or outcome.columns is None:
+            if outcome.unless_interrupted().status != Status.COMPLETED or outcome.columns is None:
                 return None
             records = outcome.records
             return records.sample_state, records.sample_mode, outcome.columns[-1].T.copy()

@@ -43,8 +43,6 @@ def return_time(system: System, tables: Tables, start: Start, tolerance: float) 
     found = None
     for windows in _LOOKS:
         outcome = _look(system, tables, start, windows, tolerance)
-        if outcome.status == Status.INTERRUPTED:
-            raise KeyboardInterrupt  # nothing is there to keep
         states = outcome.records.sample_state[: outcome.n_samples]
         step = windows * tables.window / _SAMPLES
         count = _returns(system, states)
@@ -70,7 +68,7 @@ def _look(
         run_plan, tables, plan, tolerance, state=start.state, begin=begin, keep_events=False,
         limits=limits,
     )  # fmt: skip
-    return in_first_mode(system, tables, start, run)
+    return in_first_mode(system, tables, start, run).unless_interrupted()
 
 
 def _returns(system: System, states: Floats) -> int:

@@ -130,7 +130,7 @@ def motion_from(
     numbers = first + np.arange(periods + 1, dtype=np.int64)
     plan = Plan(Instant(int(numbers[-1]), phase), numbers, np.full(periods + 1, phase))
     outcome = run_plan(tables, plan, wanted.tolerance, state=state, begin=begin, mode=mode)
-    return _points(outcome, first, phase, driven)
+    return _points(outcome.unless_interrupted(), first, phase, driven)
 
 
 def _points(outcome: Outcome, first: int, phase: float, driven: bool) -> PointsOfMotion:
