@@ -173,7 +173,8 @@ def test_a_run_that_ends_early(call, accumulating, tmp_path):
     assert result.exit_code == 1
     with pytest.warns(ns.RunWarning):
         run = ns.simulate(models.ball(), t_end=100.0)
-    assert values(result.stdout)["status"] == run.attrs["message"]
+    told = run.attrs["message"].replace("by t_end=", "by --t-end")  # as an option of the shell
+    assert values(result.stdout)["status"] == told
     words = run.attrs["phase_word"].split()
     assert len(words) > 40 and set(words) == {"flight"}
     assert values(result.stdout)["phase word"] == f"flight ({len(words)} times)"

@@ -327,6 +327,8 @@ class RecordEquations:
         to whole turns. Otherwise data go on with the angle, and how far they go counts.
         """
         if self._turns is None:
+            if samples.phase.size == 0:  # of a segment without data, which tells nothing
+                return np.zeros(len(self._sampled))
             turns = self.ways_of_turns(samples)
             counts = [
                 self.is_cycle or self.channels[c].is_within(abs(self.channels[c].gain.guess) * turn)
