@@ -76,6 +76,7 @@ def test_the_unstable_manifold_of_a_rotation_comes_from_it(rotation):
         assert 0.0 < away @ along <= float(found["first_length"][curve]) + 1e-9
 
 
+@pytest.mark.slow
 def test_the_stable_manifold_of_a_rotation_comes_to_it(rotation):
     system, edge = rotation
     orbit = ns.find_orbit(system, edge.isel(point=0))
@@ -92,6 +93,7 @@ def test_the_stable_manifold_of_a_rotation_comes_to_it(rotation):
         assert np.linalg.norm(away) < 0.31
 
 
+@pytest.mark.slow
 def test_motions_from_one_top_come_to_the_next_one():
     """An undamped pendulum that is not driven would just reach it."""
     system = pendulum(1.6)
