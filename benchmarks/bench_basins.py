@@ -28,6 +28,7 @@ EVERY = 10  # rows of which one is in the rounds
 TOGETHER = 1024  # cells in a task
 AIM = 60.0  # seconds for the basins
 ON = 1e-6  # distance from a point of a cycle that counts as being on it
+STAYING = 3  # states that do not drift: p, y, q
 SAME = 1e-8  # difference of two exact solutions on a cycle
 AGREE = 0.999  # of the cells: some may settle later than the runs end
 
@@ -76,13 +77,16 @@ def by_runner(year, starts, threads, periods=PERIODS):
     return last
 
 
-def cycle_of(basins, states):
-    """Number of the cycle on which each state lies, 0 for none; drifting v apart."""
+def cycle_of(basins, states, on, count):
+    """Number of the cycle on which each state lies by its first ``count`` entries, 0 for none.
+
+    on: distance from a point of a cycle that counts as being on it
+    """
     found = np.zeros(len(states), int)
     for number in basins["attractor"].values:
         one = basins.sel(attractor=number)
         for point in one["points"].values[: int(one["period"])]:
-            near = np.abs(states[:, :3] - point[:3]).max(axis=1) <= ON
+            near = np.abs(states[:, :count] - point[:count]).max(axis=1) <= on
             found[near] = number
     return found
 
@@ -103,7 +107,7 @@ def measure(system, starts, rounds):
 def compare(basins, starts, hand, ours):
     """Faults, after saying how the runs agree with each other and with the labels."""
     labels = basins["label"].values.ravel()
-    ends = cycle_of(basins, hand), cycle_of(basins, ours)
+    ends = [cycle_of(basins, each, ON, STAYING) for each in (hand, ours)]
     settled = (ends[0] > 0) & (ends[1] > 0)
     apart = np.abs(hand - ours)[settled, :3].max(initial=0.0)
     cycles = basins["attractor"].values[basins["period"].values > 0]

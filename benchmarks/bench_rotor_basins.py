@@ -23,7 +23,7 @@ import sys
 
 import heyoka as hy
 import numpy as np
-from bench_basins import by_runner
+from bench_basins import by_runner, cycle_of
 from crowd import Clocks
 from ours import VERSION
 
@@ -93,20 +93,13 @@ def batches():
     return run
 
 
-def cycle_of(basins, states):
-    """Number of the cycle on which each state lies, 0 for none."""
-    found = np.zeros(len(states), int)
-    for number in basins["attractor"].values:
-        one = basins.sel(attractor=number)
-        for point in one["points"].values[: int(one["period"])]:
-            found[np.abs(states - point).max(axis=1) <= ON] = number
-    return found
-
-
 def compare(basins, ours, theirs):
     """Faults, after saying how the runs agree with each other and with the labels."""
     labels = basins["label"].values.ravel()
-    ends = {"nonsmooth": cycle_of(basins, ours), "heyoka": cycle_of(basins, theirs)}
+    ends = {
+        name: cycle_of(basins, states, ON, 4)
+        for name, states in (("nonsmooth", ours), ("heyoka", theirs))
+    }
     for number in basins["attractor"].values:
         count = int(np.sum(labels == number))
         point = basins.sel(attractor=number)["points"].values[0]
