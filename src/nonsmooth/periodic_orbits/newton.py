@@ -57,7 +57,8 @@ def solve_orbit(
     last, further = np.inf, 0  # size of the step before; steps within rounding
     for iteration in range(1, steps + 1):
         step, well = _solve(jacobian * scale / rows[:, None], -residual / rows)
-        if not well:  # at a solution it stays: a point at rest is one from which no plane is left
+        if not well:
+            # at rest no plane lies across the motion, so there a solution is singular too
             solved = "completed" if size <= _ROUNDING else "singular"
             return Solution(unknowns, size, iteration, solved)
         length = float(np.abs(step).max())
