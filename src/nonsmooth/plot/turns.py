@@ -64,6 +64,7 @@ class Turns(NamedTuple):
     def show(self, ax: Axes) -> None:
         """Let the axes end where the turns do."""
         ends = self.begins + self.periods
-        for k, limit in enumerate((ax.set_xlim, ax.set_ylim)):
-            if self.periods[k] > 0.0:
-                limit(float(self.begins[k]), float(ends[k]))
+        if self.periods[0] > 0.0:
+            ax.set_xlim(float(self.begins[0]), float(ends[0]))
+        if self.periods[1] > 0.0:
+            ax.set_ylim(float(self.begins[1]), float(ends[1]))
