@@ -184,6 +184,7 @@ def test_a_store_goes_on_where_it_was(tmp_path, monkeypatch) -> None:
         ({"region": {"x": [], "y": SIDE}}, "finite"),
         ({"region": {"x": SIDE, "y": [1.0]}}, "two increasing"),
         ({"region": {"x": SIDE, "y": (-1.0, 2.0)}}, r"is a range.*np.linspace\(-1, 2, 200\)"),
+        ({"region": {"x": SIDE, "y": (-1.0, 2.0, 50)}}, r"is a range.*np.linspace\(-1, 2, 50\)"),
         ({"region": {"x": np.arange(1e5), "y": np.arange(1e6)}}, "cells"),
         ({"method": "magic"}, "cell mapping"),
         ({"threads": 0}, "threads"),

@@ -65,7 +65,8 @@ _POINTS = 3  # of a long cycle that are tried
 
 # labels of lanes that come to no attractor
 UNSETTLED, ENDED, INADMISSIBLE = 0, -1, -2
-_FIRST, _LARGEST = 64, 512  # images in a block
+FIRST_LOOK, _LARGEST = 64, 512  # images in the first block, whose spread tells units, and in others
+_TOLD = 8  # images of the first block after which it says how far it is
 _AHEAD = 32  # lanes that run before the others
 _RETURNS, _NEW = 100, 0.05  # a lane recurs where at most this part of its last images is new
 _LOOK = 2048  # images among which a period is looked for
@@ -80,8 +81,6 @@ _LEAST_SPREAD = 1e-3  # of a state, beside its spread at the start
 _ROUNDING = 1e-8  # of a state, beside its size: differences below are those of rounding
 _ALMOST = 1e-10  # beside the scale: a clock that nothing holds gains a rounding in each iterate
 _EXACTLY = 1e-13  # beside the scale, to which motions on an unstable cycle repeat
-
-FIRST_LOOK = 64  # images from which the units of the states are taken
 
 
 @dataclass(frozen=True)
@@ -208,6 +207,32 @@ class SettledStarts:
     needed: Integers  # (L,): images until that was known
 
 
+@dataclass(frozen=True)
+class FirstLook:
+    """Lanes that have begun."""
+
+    starts: Floats  # (L, n)
+    lanes: Any  # behind their first images
+    images: Floats  # (L, K, n), nan behind the end of a motion
+    modes: Integers  # (L, K)
+
+    def returning(self) -> FirstLook:
+        """Those that come back to their section."""
+        kept = np.flatnonzero(self.lanes.status != NEVER_CROSSES)
+        return FirstLook(
+            self.starts[kept], self.lanes.select(kept), self.images[kept], self.modes[kept]
+        )
+
+
+def _parts(count: int) -> list[slice]:
+    """Lanes that run together: a few go ahead, as the attractors they find stop the others."""
+    return [slice(0, _AHEAD)] + [slice(_AHEAD, None)] * (count > _AHEAD)
+
+
+def _joined(parts: list[SettledStarts]) -> SettledStarts:
+    return SettledStarts(*(np.concatenate(each) for each in zip(*map(astuple, parts), strict=True)))
+
+
 def measure_of(images: Floats, starts: Floats, drifting: npt.NDArray[np.bool_], cells: int) -> Any:
     """Units in which states are compared: their spread once the first transient is over.
 
@@ -265,24 +290,44 @@ class AttractorSearch:
         shapes: states (L, n)
         """
         chosen = np.broadcast_to(modes, len(states))
-        parts = [slice(0, _AHEAD)] + [slice(_AHEAD, None)] * (len(states) > _AHEAD)
-        found = [self._settle(states[part], chosen[part], stop, part.start) for part in parts]
-        return SettledStarts(
-            *(np.concatenate(part) for part in zip(*map(astuple, found), strict=True))
+        return _joined(
+            [
+                self._settle(self.runner.start(states[part], chosen[part]), None, stop, part.start)
+                for part in _parts(len(states))
+            ]
+        )
+
+    def settle_on(self, looks: list[FirstLook]) -> SettledStarts:
+        """The same for lanes whose first images are known, in the parts that run together."""
+        if self.longest < FIRST_LOOK:
+            return self.settle(np.concatenate([look.starts for look in looks]))
+        before = np.cumsum([0] + [len(look.starts) for look in looks])
+        return _joined(
+            [
+                self._settle(look.lanes, (look.images, look.modes), None, int(count))
+                for look, count in zip(looks, before, strict=False)
+            ]
         )
 
     def _settle(
-        self, states: Floats, modes: Integers, stop: threading.Event | None, before: int
+        self,
+        lanes: Any,
+        first: tuple[Floats, Integers] | None,
+        stop: threading.Event | None,
+        before: int,
     ) -> SettledStarts:
-        """The same for lanes that run together; ``before``: how many have come to their end."""
-        count = len(states)
+        """The same for lanes that run together; ``before``: how many have come to their end.
+
+        Those that have begun are behind their ``first`` images and the modes of these.
+        """
+        count = len(lanes.status)
         label, needed = np.zeros(count, np.int64), np.zeros(count, np.int64)
-        lanes = self.runner.start(states, modes)
         left, visits, done = np.arange(count), new_visits(count), 0
         history = np.zeros((count, 0), np.int64)
         while left.size and done < self.longest:
-            block = min(max(_FIRST, done), _LARGEST, self.longest - done)
-            images, image_modes = self.runner.iterate(lanes, block, stop)
+            block = min(max(FIRST_LOOK, done), _LARGEST, self.longest - done)
+            images, image_modes = first or self.runner.iterate(lanes, block, stop)
+            first = None
             visit(images, done + 1, self.known.landmarks(), visits)
             confirm_visits(self.runner, lanes, images[:, -1], self.known.cycles(), visits)
             keys = np.stack([self.known.measure.keys(one) for one in images])
@@ -436,8 +481,9 @@ def find_attractors(
     runner = runner_within_turns(chosen, how.tolerance)
     starts, drawn = admissible_starts(runner, box, how.samples, how.seed)
     drifting = drift_mask(chosen.system)
-    images, statuses = _first_look(runner, starts, silent=silent)
-    returns = statuses != NEVER_CROSSES
+    looks = _first_look(runner, starts, silent=silent)
+    images = np.concatenate([look.images for look in looks])
+    returns = np.concatenate([look.lanes.status for look in looks]) != NEVER_CROSSES
     known = Known(measure_of(images, starts, drifting, how.cells))
     complete, settled = True, SettledStarts(np.zeros(0, np.int64), np.zeros(0, np.int64))
     label, needed = np.full(len(starts), ENDED), np.isfinite(images[:, :, 0]).sum(axis=1)
@@ -446,7 +492,7 @@ def find_attractors(
             chosen, known, how, (lambda _: None) if silent else progress.update, runner
         )
         try:
-            found = search.settle(starts[returns])
+            found = search.settle_on([look.returning() for look in looks])
             label[returns], needed[returns] = found.label, found.needed
             settled = SettledStarts(label, needed)
         except KeyboardInterrupt:
@@ -455,20 +501,20 @@ def find_attractors(
     return FoundAttractors(known, search, settled, drawn, complete)
 
 
-def _first_look(runner: Any, starts: Floats, *, silent: bool) -> tuple[Floats, Integers]:
-    """First images of each start, nan behind the end of its motion, and how that has ended.
-
-    returns: images (L, K, n), statuses (L,)
-    """
-    images, statuses = [], []
+def _first_look(runner: Any, starts: Floats, *, silent: bool) -> list[FirstLook]:
+    """First images of each start, in the parts that are settled together."""
+    looks = []
     with Progress("first look at starts", len(starts)) as progress:
-        for first in range(0, len(starts), _AHEAD):
-            lanes = runner.start(starts[first : first + _AHEAD])
-            images.append(runner.iterate(lanes, FIRST_LOOK)[0])
-            statuses.append(lanes.status)
-            if not silent:
-                progress.update(first + _AHEAD)
-    return np.concatenate(images), np.concatenate(statuses)
+        for part in _parts(len(starts)):
+            some = starts[part]
+            lanes, blocks = runner.start(some), []
+            for done in range(_TOLD, FIRST_LOOK + 1, _TOLD):
+                blocks.append(runner.iterate(lanes, _TOLD))
+                if not silent:
+                    progress.update(part.start + len(some) * done // FIRST_LOOK)
+            images, modes = (np.concatenate(each, axis=1) for each in zip(*blocks, strict=True))
+            looks.append(FirstLook(some, lanes, images, modes))
+    return looks
 
 
 def search_among(

@@ -212,10 +212,11 @@ def read_grid(system: System, region: Any, completion: Any, least: int = 2) -> G
     axes = []
     for name in names:
         values = _numbers(name, region[name])
-        if isinstance(region[name], tuple) and values.size == 2:
+        if isinstance(region[name], tuple) and _is_range(region[name]):
+            count = region[name][2] if values.size > 2 else 200
             raise OptionError(
                 f"region[{name!r}] = {region[name]!r:.60} is a range, and a grid needs the value of"
-                f" each row of cells, such as np.linspace({values[0]:g}, {values[1]:g}, 200)"
+                f" each row of cells, such as np.linspace({values[0]:g}, {values[1]:g}, {count})"
             )
         if values.size < 2 or np.any(np.diff(values) <= 0.0):
             raise OptionError(
@@ -230,6 +231,17 @@ def read_grid(system: System, region: Any, completion: Any, least: int = 2) -> G
             f" {_MOST_CELLS:.0e} fit; take fewer values, or a part of the region"
         )
     return Grid(tuple(axes), read_completion(system, names, completion))
+
+
+def _is_range(given: tuple[Any, ...]) -> bool:
+    """Whether a tuple is meant as two ends, or as two ends and a number of rows."""
+    if len(given) == 3:
+        return (
+            isinstance(given[2], int)
+            and given[2] > 1
+            and given[2] - given[1] != given[1] - given[0]
+        )
+    return len(given) == 2
 
 
 def _numbers(name: str, given: Any) -> Floats:
