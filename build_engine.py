@@ -19,6 +19,7 @@ import sys
 import sysconfig
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -38,6 +39,10 @@ FLAGS = [
 # Loops over states run two to six times: turned into vectors or calls of memmove by GCC they take
 # longer, a twentieth of a run. What pays as vectors is written as such (sixteen.hpp, lanes).
 OF_GCC = ["-fno-tree-loop-vectorize", "-fno-tree-loop-distribute-patterns"]
+
+
+# two thirds of the time that a library takes
+LONGEST_UNITS = ("taylor_kernels", "run", "closed_run")
 
 
 class Platform(NamedTuple):
@@ -181,39 +186,52 @@ def _replace(made: Path, target: Path) -> None:
     os.replace(beside, target)
 
 
-def compile_library(path: Path, flags: list[str], aim: Platform) -> None:
-    """Compile all units of one library side by side, and link them."""
+def compile_libraries(libraries: dict[Path, list[str]], aim: Platform) -> None:
+    """Compile the units of some libraries side by side, each with its flags, and link them."""
     command = compiler(aim)
-    flags = [*flags, *(OF_GCC if is_gcc(command) else [])]
+    further = OF_GCC if is_gcc(command) else []
     with tempfile.TemporaryDirectory() as folder:
 
-        def compile_unit(unit: Path) -> str:
-            made = str(Path(folder) / f"{unit.stem}.o")
-            define = f'-DNONSMOOTH_SOURCES="{sources_hash()}"'
-            parts = [*command, *FLAGS, *flags, define, "-c", str(unit), "-o", made]
-            subprocess.run(parts, check=True)
-            return made
+        def made(unit: Path, path: Path) -> str:
+            return str(Path(folder) / f"{path.stem}.{unit.stem}.o")
 
+        def compile_unit(unit: Path, path: Path) -> None:
+            define = f'-DNONSMOOTH_SOURCES="{sources_hash()}"'
+            flags = [*FLAGS, *libraries[path], *further, define]
+            subprocess.run([*command, *flags, "-c", str(unit), "-o", made(unit, path)], check=True)
+
+        # the longest first, which would otherwise run alone at the end
+        units = sorted(SOURCES.glob("*.cpp"), key=lambda unit: unit.stem not in LONGEST_UNITS)
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            objects = list(pool.map(compile_unit, sorted(SOURCES.glob("*.cpp"))))
-        linked = Path(folder) / f"linked{aim.suffix}"
-        parts = [*command, "-shared", *flags, *objects, "-o", str(linked)]
-        if "ziglang" in command:  # its own C++ library takes minutes to build: the engine uses none
-            parts.append("-nostdlib++")
-        if aim.suffix != ".dll":
-            parts.append("-lm")
-        subprocess.run(parts, check=True)
-        _replace(linked, path)
+            list(pool.map(compile_unit, *zip(*product(units, libraries), strict=True)))
+        for path, flags in libraries.items():
+            linked = Path(folder) / f"{path.stem}{aim.suffix}"
+            objects = [made(unit, path) for unit in units]
+            parts = [*command, "-shared", *flags, *further, *objects, "-o", str(linked)]
+            if "ziglang" in command:  # its C++ library takes minutes to build: the engine uses none
+                parts.append("-nostdlib++")
+            if aim.suffix != ".dll":
+                parts.append("-lm")
+            subprocess.run(parts, check=True)
+            _replace(linked, path)
+
+
+def build_libraries() -> list[Path]:
+    """Compile the libraries that are not current; returns the paths of all.
+
+    It needs the compiler alone, so it may run while packages are being installed.
+    """
+    aim = chosen_platform()
+    flags = {library(name, aim): flags for name, flags in builds(aim).items()}
+    old = {path: each for path, each in flags.items() if aim.zig or not is_current(path)}
+    if old:
+        compile_libraries(old, aim)
+    return list(flags)
 
 
 def build() -> list[Path]:
     """Compile all libraries and write the declarations; returns their paths."""
-    aim = chosen_platform()
-    made = []
-    for name, flags in builds(aim).items():
-        made.append(library(name, aim))
-        if aim.zig or not is_current(made[-1]):
-            compile_library(made[-1], flags, aim)
+    made = build_libraries()
     write_declarations()
     DEVICE_SOURCE.write_text(device_source())
     return [*made, DECLARATIONS, DEVICE_SOURCE]
@@ -228,12 +246,14 @@ def build_sanitized(path: Path) -> None:
     """A library that looks after its own addresses and undefined behaviour, for tests."""
     path.parent.mkdir(parents=True, exist_ok=True)
     flags = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
-    compile_library(path, flags, PLATFORMS[""])
+    compile_libraries({path: flags}, PLATFORMS[""])
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--sanitized"]:
         build_sanitized(Path(sys.argv[2]))
+    elif sys.argv[1:2] == ["--libraries"]:
+        build_libraries()
     else:
         for each in build():
             print(each)
