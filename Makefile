@@ -13,7 +13,7 @@ ENGINE_SOURCES := build_engine.py $(wildcard src/nonsmooth/engine/native/*)
 ENGINE := src/nonsmooth/engine/_declarations.py
 SANITIZED := build/sanitized/engine.so
 PIP_INSTALL_TOOLS = $(BIN)/python -m pip --disable-pip-version-check install --quiet
-# modules are compiled when they are first imported: a third of them is, and it saves a minute here
+# Modules compile when they are first imported: most never are, and to compile all takes half of the time.
 PIP_INSTALL_MODULES = $(PIP_INSTALL_TOOLS) --no-compile
 PIP_INSTALL = $(PIP_INSTALL_MODULES) --editable
 

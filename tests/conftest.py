@@ -1,11 +1,13 @@
 """What every test shares.
 
-How hypothesis draws, where pictures go, when garbage is collected, what a failing run ends with.
+How hypothesis draws, where pictures go, when garbage is collected, what is slow beside tests that
+say so, what a failing run ends with.
 """
 
 import gc
 import os
 import signal
+from collections import defaultdict
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -32,6 +34,31 @@ def pytest_collection_finish():
     """Leave what was made so far out of all later looks for garbage."""
     gc.collect()
     gc.freeze()
+
+
+# Examples of functions that draw or judge figures of the chapter, and that search for a parameter;
+# what they call has tests of its own.
+LONG_EXAMPLES = {
+    "by_cells", "exponent_on_grid", "exponents_of_pairs", "fig10", "fig12", "fig17", "fig21",
+    "fig36", "fitted_law", "homoclinic_tangency", "rig_sweeps", "run_chapter",
+}  # fmt: skip
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark long examples slow, and of tests with many cases all but the few that each run takes."""
+    cases = defaultdict(list)
+    for item in items:
+        if isinstance(item, pytest.DoctestItem) and item.name.rpartition(".")[2] in LONG_EXAMPLES:
+            item.add_marker(pytest.mark.slow)
+        if item.get_closest_marker("few"):
+            cases[item.nodeid.partition("[")[0]].append(item)
+    for each in cases.values():
+        few = min(each[0].get_closest_marker("few").args[0], len(each))
+        taken = {i * len(each) // few for i in range(few)}  # spread over the cases
+        for i, item in enumerate(each):
+            if i not in taken:
+                item.add_marker(pytest.mark.slow)
 
 
 @pytest.hookimpl(trylast=True)

@@ -191,6 +191,7 @@ def test_basins_agree_with_an_integration_of_their_own(method):
     assert wrong <= (0 if method == "recurrences" else 1)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("turns", [0, 1, 2])
 def test_the_border_of_rest_and_rotation_is_found_from_any_turn(turns):
     """Its saddle is one of scipy, with the multipliers of its variational equations."""
@@ -207,6 +208,7 @@ def test_the_border_of_rest_and_rotation_is_found_from_any_turn(turns):
     assert np.abs(own - np.sort(multipliers.real)).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_the_border_of_two_rotations_is_a_rotation():
     system = pendulum(0.8, 0.42)
     found = ns.attractors(system, {"q": (-3, 3), "w": (-2, 3)}, samples=20)

@@ -50,6 +50,7 @@ def rotation():
     return system, ns.edge_state(system, *sides)
 
 
+@pytest.mark.slow
 def test_an_edge_state_tells_how_far_it_turns(rotation):
     _, edge = rotation
     assert edge["period"].item() == 1

@@ -44,6 +44,7 @@ def test_an_image_that_was_not_found_has_no_number():
     assert found["image"].values.tolist() == [0]
 
 
+@pytest.mark.slow
 def test_basins_name_the_pair_too():
     grid = {"x": np.linspace(-1.5, 1.5, 12), "v": np.linspace(-1.0, 1.0, 12)}
     found = ns.basins_of_attraction(ns.models.duffing(gamma=0.2), grid)

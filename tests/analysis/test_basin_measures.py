@@ -65,6 +65,7 @@ def test_cantor_sets_on_a_line(left, right):
     assert found.attrs["message"] == "fitted"
 
 
+@pytest.mark.slow
 def test_a_cantor_set_of_slanted_lines():
     """The middle-third set times a line: its dimension is 1 + log 2/log 3."""
     across, up = np.meshgrid(cells(1500), cells(1500))

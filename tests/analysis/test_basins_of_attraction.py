@@ -67,6 +67,7 @@ def test_cells_behind_a_wall_are_inadmissible(method: str) -> None:
     assert float(basins["fraction"].sum()) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_two_methods_agree_on_an_oscillator_with_a_soft_stop() -> None:
     """More than three cells from another label, 99 % of the cells."""
     system, side = ns.models.soft_impact(omega=0.82), np.linspace(-3.0, 3.0, 120)
@@ -118,6 +119,7 @@ def test_the_mole_has_a_section_with_a_completion() -> None:
     assert np.array_equal(basins["period"].values[basins["label"].values.ravel() - 1], found)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["cell mapping", "generalised cell mapping"])
 def test_cells_on_a_slaved_surface_stand_for_points_on_it(method: str) -> None:
     """The mole in three dimensions: q has cells, and contact lives on p = q + g."""
@@ -135,6 +137,7 @@ def test_cells_on_a_slaved_surface_stand_for_points_on_it(method: str) -> None:
     assert np.all(followed["label"].values[mapped["label"].values == -2] == -2)
 
 
+@pytest.mark.slow
 def test_the_number_of_threads_changes_nothing() -> None:
     mole = ns.models.moling(a=0.3, b=0.1, xi=0.1, omega=1.45)
     region = {"p": np.linspace(-3, 1, 50), "y": np.linspace(-1, 1, 50)}

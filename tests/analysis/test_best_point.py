@@ -54,6 +54,7 @@ def test_hardest_impact_at_a_rigid_wall(wall_branch):
     assert abs(impact_speed(best) - exact[1]) < 1e-10
 
 
+@pytest.mark.slow
 def test_slowest_impact_is_where_the_stable_part_ends(wall_branch):
     best = ns.best_point(wall_branch, impact_speed, largest=False)
     assert best["limited_by"].item() == "flip"
@@ -65,6 +66,7 @@ def test_slowest_impact_is_where_the_stable_part_ends(wall_branch):
     assert free["limited_by"].item() == "bound" and free["omega"].item() == 2.6
 
 
+@pytest.mark.slow
 def test_fastest_mole_against_motions(mole, branch):
     """Progression of settled motions on both sides of the optimum, and the vertex through them."""
     best = ns.best_point(branch, "v_per_period")
@@ -100,6 +102,7 @@ def test_ends_of_the_stable_part(branch):
     assert "change their word: fold" in most.attrs["message"]
 
 
+@pytest.mark.slow
 def test_the_best_orbit_is_an_orbit_for_other_verbs(mole, branch):
     best = ns.best_point(branch, lambda orbit: float(orbit["v_per_period"]))
     again = ns.find_orbit(mole, best, parameters={"b": best["b"].item()})

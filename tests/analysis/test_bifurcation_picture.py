@@ -38,6 +38,7 @@ def picture():
     )
 
 
+@pytest.mark.slow
 def test_attractors_exist_between_the_folds(picture) -> None:
     """Below -FOLD there is the lower root, above FOLD the upper one, and both between."""
     for column in range(picture.sizes["parameter"]):
@@ -204,6 +205,7 @@ def test_a_section_is_refused() -> None:
         ns.bifurcation_picture(section, "p", (-1.0, 1.0), REGION)
 
 
+@pytest.mark.slow
 def test_a_cycle_lies_on_a_branch_between_points_that_are_far_from_it() -> None:
     """Behind rebounds the ball rests on the table, lifts off at arcsin(1/Gamma) and comes back.
 
@@ -256,6 +258,7 @@ def test_an_orbit_at_rest_at_the_strobe_is_one_branch(phase) -> None:
     assert (found["w"].values.min(), found["w"].values.max()) == (2.0, 3.0)
 
 
+@pytest.mark.slow
 def test_a_ball_on_a_table_has_two_branches() -> None:
     """One rests on the table in each turn, the other bounces, from A = pi (1 - r)/(1 + r) on."""
     table = ns.System(

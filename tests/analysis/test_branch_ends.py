@@ -159,6 +159,7 @@ def test_a_cycle_counts_once_although_a_state_vanishes_at_its_events():
     assert float(found["length"][0]) == pytest.approx(2 * np.pi / np.sqrt(1 - 0.01), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_fold_just_before_a_graze_is_found():
     """Folds alternate: the branch rises at both ends, so their number is even.
 
@@ -197,6 +198,7 @@ def test_a_motion_at_rest_at_zero_is_followed(start):
     assert flip == pytest.approx([1.0], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_no_fold_where_an_event_passes_the_section_behind_a_turn_at_a_graze():
     """Special points do not depend on the phase at which the orbit is cut.
 

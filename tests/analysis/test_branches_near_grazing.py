@@ -61,6 +61,7 @@ def assert_no_part_twice(branch, parameter):
             assert off > 1e-2 * np.abs(step).max()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("w", [0.8, 1.2, 2.0])
 def test_a_branch_does_not_turn_back_at_a_graze(w):
     """Of two impacts down to w = 0.7077, of three from there on: a fold, and stable below it."""
@@ -86,6 +87,7 @@ def test_a_branch_does_not_turn_back_at_a_graze(w):
         assert speeds.size == len(point["word"].item().split()) - 1
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("w", "impacts"), [(0.71, 2), (0.68, 3)])
 def test_motions_settle_to_the_branch_behind_grazes(w, impacts):
     system = oscillator(w)
@@ -107,6 +109,7 @@ def rubbing(w, **options):
     return oscillator(w, r=0.7, g=0.3, z=0.05, f=0.2, **options)
 
 
+@pytest.mark.slow
 def test_a_flip_just_before_a_graze_is_found_from_everywhere():
     """The multiplier goes to minus infinity at the graze, and passes -1 between these values."""
     assert multipliers_of_motion(*_orbit_at(2.0264)).real.min() > -1.0
@@ -139,6 +142,7 @@ def _orbit_at(w):
     return system, w, state
 
 
+@pytest.mark.slow
 def test_impacts_jump_over_a_surface_that_holds():
     """Where nothing sticks, an orbit is the same with static friction, and so is its branch."""
     plain = ns.continue_orbit(rubbing(1.3), "w", (1.25, 3.0))
@@ -189,6 +193,7 @@ def test_changes_on_both_sides_of_a_symmetric_orbit_at_once_are_passed():
     assert places[0.9913] == "fold"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hold", [pytest.param(None, marks=pytest.mark.slow), 1])
 def test_changes_of_sliding_do_not_depend_on_the_start(hold):
     found = []
@@ -200,6 +205,7 @@ def test_changes_of_sliding_do_not_depend_on_the_start(hold):
     assert len(found[0]) > 10
 
 
+@pytest.mark.slow
 def test_messages_do_not_name_tests():
     branch = ns.continue_orbit(rubbing(1.3, hold=1), "w", (0.5, 3.0))
     said = [branch.attrs["message"], *branch["special_detail"].values.tolist()]
@@ -222,6 +228,7 @@ LONGEST = {2, 15}  # of the seeds
 SEEDS = [pytest.param(k, marks=[pytest.mark.slow] * (k in LONGEST)) for k in range(30)]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_every_point_of_a_branch_is_a_motion(seed):
     """None is inadmissible, none is passed twice, and none changes its stability for no reason."""

@@ -137,6 +137,7 @@ def test_attractors_with_small_basins_and_little_damping() -> None:
     assert np.all(shared["label"].values > 0)
 
 
+@pytest.mark.slow
 def test_a_grid_without_any_attractor() -> None:
     region = {"x": np.linspace(3.0, 5.0, 8), "v": np.linspace(3.0, 5.0, 9)}
     shared = ns.basins_of_attraction(_ueda(), region, method=GENERALISED)

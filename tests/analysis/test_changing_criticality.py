@@ -35,6 +35,7 @@ def cubic(a: float, b: float) -> ns.System:
     return kicked({"mu": -0.2, "a": a, "b": b}, x="-(1 + mu)*x + a*x**2 + b*x**3")
 
 
+@pytest.mark.slow
 def test_generalised_flip_of_a_cubic_map() -> None:
     """At b = -1 there are two, a = 1 and a = -1."""
     branch, number = special_branch(cubic(0.5, -1.0), "flip")
@@ -49,6 +50,7 @@ def test_generalised_flip_of_a_cubic_map() -> None:
     assert all("stable orbit beyond turn into flips with an unstable one" in d for d in details)
 
 
+@pytest.mark.slow
 def test_generalised_flip_over_the_other_coefficient() -> None:
     branch, number = special_branch(cubic(0.5, 0.3), "flip")
     curve = ns.continue_special(branch, number, "b", (-1.0, 1.0))
@@ -61,6 +63,7 @@ def test_flips_on_both_sides_have_the_criticality_that_it_says() -> None:
         assert ns.criticality(branch, special=number)["criticality"].item() == criticality
 
 
+@pytest.mark.slow
 def test_the_coefficient_passes_a_pole_without_a_change() -> None:
     """x' = -(1 + mu) x - x**2 + x**3 - x w, w' = k w - x**2 with the multipliers -(1 + mu) and k.
 
@@ -86,6 +89,7 @@ def test_no_change_where_the_coefficient_is_rounding() -> None:
     assert places(curve, "generalised_flip") == []
 
 
+@pytest.mark.slow
 def test_chenciner_point_of_a_rotation() -> None:
     """z' = (1 + mu) exp(i theta) z (1 + s |z|**2): first Lyapunov coefficient s, at mu = 0."""
     theta = 1.0
@@ -104,6 +108,7 @@ def test_chenciner_point_of_a_rotation() -> None:
     )
 
 
+@pytest.mark.slow
 def test_flips_of_a_soft_stop_change_their_criticality() -> None:
     """Branches through both sides of the point tell the same."""
     soft = ns.models.soft_impact(a=0.6)

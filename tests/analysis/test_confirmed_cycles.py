@@ -42,6 +42,7 @@ def distance_after(cycle, states):
     return np.abs(ends[:, None] - cycle.points[None, :, :2]).max(axis=2).min(axis=1)
 
 
+@pytest.mark.slow
 def test_balls_that_are_too_large_capture_nothing(found):
     """With balls of a fifth of the spread chaos passes through three of them in order."""
     chosen, search = found

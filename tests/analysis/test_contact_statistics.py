@@ -145,6 +145,7 @@ def test_cells_and_other_modes():
     assert float(free["contact_share"]) == pytest.approx(1 - share, rel=1e-12)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("start", ["restart", "follow down"])
 def test_threads_and_stores_change_nothing(tmp_path, start):
     call = (ns.models.rotor(), "eta", np.linspace(2.2, 3.0, 19))

@@ -222,6 +222,7 @@ def test_control_c_keeps_the_points(monkeypatch, interrupts):
     assert "interrupted" in branch.attrs["message"]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -39,6 +39,7 @@ def test_grazing_of_the_soft_oscillator(soft):
     assert omega.max() == 0.9
 
 
+@pytest.mark.slow
 def test_a_flip_curve_has_the_multiplier_minus_one(soft):
     curve = ns.continue_special(soft, number_of(soft, "flip"), "omega", (0.84, 0.86))
     distance = np.abs(curve["multipliers"].values + 1.0).min(axis=1)
@@ -46,6 +47,7 @@ def test_a_flip_curve_has_the_multiplier_minus_one(soft):
     assert np.all(np.diff(curve["omega"].values) > 0.0)
 
 
+@pytest.mark.slow
 def test_flips_are_those_of_branches_at_other_values(soft):
     curve = ns.continue_special(soft, number_of(soft, "flip"), "omega", (0.84, 0.86))
     other = ns.continue_orbit(ns.models.soft_impact(a=0.2, omega=0.86), "a", (0.05, 0.6))
@@ -62,6 +64,7 @@ def test_folds_of_the_ball_on_a_table(ball):
     assert r.max() == 0.9
 
 
+@pytest.mark.slow
 def test_period_doublings_of_the_ball_on_a_table(ball):
     curve = ns.continue_special(ball, number_of(ball, "flip"), "r", (0.6, 0.9))
     r = curve["r"].values
@@ -69,6 +72,7 @@ def test_period_doublings_of_the_ball_on_a_table(ball):
     assert curve["Gamma"].values == pytest.approx(exact, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_every_point_is_an_orbit(soft):
     curve = ns.continue_special(soft, number_of(soft, "grazing"), "omega", (0.84, 0.86))
     for k in range(0, curve.sizes["point"], 4):

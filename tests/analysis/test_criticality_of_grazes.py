@@ -75,6 +75,7 @@ def graze_of(driven: Driven, kind: str):
     return system, branch, ns.criticality(branch, "grazing").isel(special=0)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("driven", [DRIVEN, Driven(0.7, 0.25)], ids=["above", "below"])
 def test_the_vectors_of_a_graze_in_closed_form(driven, kind):
@@ -173,6 +174,7 @@ def turned(radius, angle):
 DISTANCES = np.geomspace(1e-9, 1e-8, 60)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("word", "jacobian", "gradient", "jump"),
     [

@@ -150,6 +150,7 @@ def orbits_beside(system, branch, found, k, beyond, **options):
     return orbits, [each[moving] for each in deviations], q[moving], away
 
 
+@pytest.mark.few(1)
 def test_supercritical_flips_have_stable_doubled_orbits_of_the_amplitude(machine):
     """The half difference of the two points of the doubled orbit, to the order of the distance."""
     system, branch, found = machine
@@ -173,6 +174,7 @@ def test_supercritical_flips_have_stable_doubled_orbits_of_the_amplitude(machine
         assert multiplier - 1.0 == pytest.approx(slope, rel=0.2)
 
 
+@pytest.mark.slow
 def test_the_flip_of_the_mole_has_the_curvature_of_its_reference():
     """Doubled orbits lie at value + curvature * amplitude^2, in 25 digits for an amplitude of 1e-4.
 
@@ -188,6 +190,7 @@ def test_the_flip_of_the_mole_has_the_curvature_of_its_reference():
     assert (found["criticality"].item() == "supercritical") == kept["supercritical"]
 
 
+@pytest.mark.slow
 def test_the_flip_of_the_soft_impact_oscillator_has_the_curvature_of_two_amplitudes():
     """It lies close to a graze, so the curvature of the reference is extrapolated to none."""
     kept = ORBITS["soft_points"]["flip"]
@@ -269,6 +272,7 @@ def test_a_pitchfork_of_cycles_without_events():
     assert found["amplitude_factor"].item() == pytest.approx(1.0, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_folds_of_the_mole_have_two_orbits_of_the_distance():
     system, parameter, between = MACHINES["mole"]
     branch = ns.continue_orbit(system, parameter, between)

@@ -54,6 +54,7 @@ def test_boxes_of_the_carpet_are_counted():
     assert float(found["box_dimension"]) == pytest.approx(log(8) / log(3), abs=1e-12)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("corners", "ratio", "truth"), SETS)
 def test_dimensions_of_similar_copies(corners, ratio, truth):
     """Copies that are drawn with equal chances: both dimensions are those of the set."""
@@ -65,6 +66,7 @@ def test_dimensions_of_similar_copies(corners, ratio, truth):
         assert float(found[verb.__name__]) == pytest.approx(truth, abs=2 * error)
 
 
+@pytest.mark.slow
 def test_the_henon_attractor():
     """P. Grassberger and I. Procaccia (1983): correlation dimension 1.21 with error 0.01; D. A.
     Russell, J. D. Hanson and E. Ott (1980): 1.26 by counting boxes."""
@@ -106,6 +108,7 @@ def test_pairs_by_hand():
             assert float(found["correlation_sum"].sel(distance=distance)) == pytest.approx(share)
 
 
+@pytest.mark.slow
 def test_a_window_keeps_a_slow_curve_from_looking_longer():
     """Neighbours in time on a slow walk through the plane look like a line."""
     walk = np.random.default_rng(2).normal(size=(6_000, 2)).cumsum(axis=0) * 0.02 % 1.0

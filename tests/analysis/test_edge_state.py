@@ -170,6 +170,7 @@ def test_the_saddle_is_on_the_branch_of_unstable_orbits(struck):
         assert float(edge[name].squeeze()) == pytest.approx(float(there[name]), abs=1e-10)
 
 
+@pytest.mark.slow
 def test_sections_and_several_turns():
     """Circles of radius 1, 2 and 3, the middle one unstable: the multiplier is exp(2 pi g').
 
@@ -257,6 +258,7 @@ def test_a_chaotic_set_on_the_border():
     assert x.min() >= 0.0 and x.max() <= 0.95 and float(edge["deviation"].sel(state="x")) > 0.1
 
 
+@pytest.mark.slow
 def test_chaos_on_a_fractal_border_shrinks_areas_as_damping_does():
     """The exponents of both directions add up to -2 zeta T, whatever the springs do (Liouville)."""
     system = ns.models.soft_impact(omega=0.8)

@@ -112,6 +112,7 @@ KINDS = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("model", KINDS)
 def test_neither_threads_nor_files_nor_chunks_change_a_digit(model, tmp_path, monkeypatch):
     system, initial = getattr(ns.models, model)(), KINDS[model]

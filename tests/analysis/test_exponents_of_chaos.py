@@ -23,6 +23,7 @@ def test_soft_impact(omega):
     assert spectrum["lyapunov_exponent"][0] > 10 * spectrum["standard_error"][0]
 
 
+@pytest.mark.slow
 def test_chua():
     spectrum = ns.lyapunov_spectrum(ns.models.chua(), record=4000)
     truth = exponent_truth.chua(steps=60_000, skipped=4_000)

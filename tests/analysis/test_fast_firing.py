@@ -33,6 +33,7 @@ def test_the_regime_is_a_limit_cycle_however_fast_it_fires(current):
     assert found["events"].item() == pytest.approx(1.0 / interval(current), abs=1.0)
 
 
+@pytest.mark.slow
 def test_verbs_complete_with_more_than_ten_thousand_events_in_a_window():
     system, turn = firing(500.0), interval(500.0)
     orbit = ns.find_orbit(system)

@@ -98,6 +98,7 @@ def sampled_gap(system: ns.System, orbit: xr.Dataset, count: int = 400) -> float
     return float(least)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("a", [0.5, 0.55, 0.8, 1.2, 2.0])
 @pytest.mark.parametrize("word", ["free", "free contact free", "free contact free contact free"])
 def test_admissible_as_dense_samples_have_it(a, word):
@@ -112,6 +113,7 @@ def test_admissible_as_dense_samples_have_it(a, word):
         assert orbit["admissible"].item() is (least > 0.0), (least, orbit.attrs["message"])
 
 
+@pytest.mark.slow
 def test_from_an_orbit_that_was_saved(tmp_path):
     file = tmp_path / "orbit.nc"
     ns.find_orbit(MOLE).to_netcdf(file, engine="h5netcdf")

@@ -86,6 +86,7 @@ def _numbers(value: Any) -> Any:
     return value
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("case", _MAPS, ids=[case[0].name for case in _MAPS])
 def test_verdicts_of_a_group_are_those_of_each_motion(monkeypatch, case):
     system, over, period, initial, labels = case

@@ -65,6 +65,7 @@ def saddle():
     return ns.find_orbit(kicked(), {"x": 0.45, "y": 0.22})
 
 
+@pytest.mark.slow
 def test_points_of_broken_lines(saddle):
     """Every crossing of the exact broken lines is found, to a few roundings, and no other one."""
     length = 7.0
@@ -100,6 +101,7 @@ def test_points_of_broken_lines(saddle):
     assert np.all(found["position_error"] < 1e-12)
 
 
+@pytest.mark.slow
 def test_points_of_one_orbit_are_images_of_each_other(saddle):
     """The map of two kicks, which leaves the sides as they are, leads from one to the next."""
     found = ns.homoclinic_points(kicked(), saddle, length=7.0, largest_step=0.05)
@@ -119,6 +121,7 @@ def test_points_of_one_orbit_are_images_of_each_other(saddle):
     assert checked >= 5
 
 
+@pytest.mark.slow
 def test_angles_are_those_of_lines():
     """Beside the saddle both manifolds are lines, whose slopes are known."""
     a, b = 1.7, 0.5
@@ -146,6 +149,7 @@ def test_angles_are_those_of_lines():
         assert float(found["crossing_angle"][k]) == pytest.approx(np.arcsin(cross), abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "b", [0.3, pytest.param(0.1, marks=pytest.mark.slow), pytest.param(0.5, marks=pytest.mark.slow)]
 )

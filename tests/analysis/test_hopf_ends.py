@@ -41,6 +41,7 @@ def drill() -> ns.System:
     )  # fmt: skip
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("transient", [10, 11, 12, 13])
 def test_the_place_on_the_cycle_does_not_matter(transient):
     system = van_der_pol()
@@ -141,6 +142,7 @@ def test_a_cycle_that_stops_sticking_goes_on_without_events():
     assert not branch["stable"].values[place + 1 : -1].any()
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("centre", [0.0, 0.5, 1.0, 3.0, 10.0])
 def test_where_the_cycle_lies_does_not_matter(centre):
     """Rayleigh's oscillator about any point: the trace at rest is mu, and its turns last 2 pi."""

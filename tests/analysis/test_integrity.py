@@ -31,6 +31,7 @@ def region_room(point):
     return min(*point, SIDE - point[0], SIDE - point[1])
 
 
+@pytest.mark.slow
 @given(
     st.floats(0.0, 2.0 * np.pi),
     st.floats(0.2, 2.0),
@@ -60,6 +61,7 @@ def test_a_straight_border_is_as_far_as_it_is(angle, far, x, y, across, up):
     assert abs(float(found["global_integrity"]) - share) <= error + 4.0 / 1200
 
 
+@pytest.mark.slow
 @given(st.floats(0.5, 1.2), st.floats(1.6, 2.4), st.floats(1.6, 2.4), st.integers(30, 90))
 def test_the_largest_ball_in_a_disc_is_the_disc(radius, x, y, count):
     point = (x + 0.3 * radius, y)
@@ -178,6 +180,7 @@ def test_a_part_of_a_turn_has_an_end():
     assert abs(float(found["local_integrity"]) - 0.5) <= float(found["local_error"]) + 1e-12
 
 
+@pytest.mark.slow
 def test_profiles_do_not_depend_on_where_a_turn_begins():
     """The same cells, but for whole turns of some of them, and the same motions."""
     y = np.linspace(-2.0, 3.0, 8)

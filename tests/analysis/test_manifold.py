@@ -46,6 +46,7 @@ def corners_of(curves, number):
     return np.column_stack([curves["x"], curves["y"]])[at]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("which", "length"),
     [("unstable", 12.0), ("stable", 4.0), pytest.param("stable", 12.0, marks=pytest.mark.slow)],
@@ -198,6 +199,7 @@ def flight(x, v, times, zeta, omega, F=1.0):
     return free + (amplitude * np.exp(1j * omega * times)).real
 
 
+@pytest.mark.slow
 def test_corners_at_a_graze(struck):
     """A corner is the image of the start whose flight touches the wall.
 

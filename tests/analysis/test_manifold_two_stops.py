@@ -102,6 +102,7 @@ def test_it_goes_on_behind_grazes_and_resets(saddle, largest):
             assert abs(dual @ end) / values[0] ** images[k] < 1e-10
 
 
+@pytest.mark.slow
 def test_it_goes_on_where_a_reset_comes_from(saddle):
     """A start at the left stop with -v/r is reset to the end of the curve there, with v."""
     orbit, *_ = saddle

@@ -32,6 +32,7 @@ def noisy_cycles(count, p, kept, noise, rng, length=101):
     return cycle[:, np.arange(length) % p] + error[:, -length:]
 
 
+@pytest.mark.few(18)
 @pytest.mark.parametrize("p", [2, 3, 7, 24])
 @pytest.mark.parametrize("kept", [0.0, 0.7, -0.7])
 @pytest.mark.parametrize("noise", [1e-14, 3e-12, 1e-10])
@@ -120,6 +121,7 @@ def strobes_by_quadrature(periods):
     return np.array(found)
 
 
+@pytest.mark.slow
 def test_gears_in_si_units_have_their_period():
     points = strobes_by_quadrature(80)
     size = np.abs(points).max(axis=0)

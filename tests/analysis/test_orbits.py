@@ -103,6 +103,7 @@ def most_returns(word: str) -> int:
     return max(Counter(zip(word, word[1:] + word[:1], strict=True)).values())
 
 
+@pytest.mark.slow
 def test_every_orbit_of_a_driven_tent():
     """2, 1, 2, 3, 6 orbits of the periods 1 to 5, at rational points."""
     found = ns.orbits(driven_tent(), UNIT, longest=5, phase=0.25)
@@ -138,6 +139,7 @@ def test_every_orbit_of_a_ticking_tent():
         assert one["period"].item() == most_returns(word)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("b", "counts"), [pytest.param(0.19, [3, 3, 6], marks=pytest.mark.slow), (0.095, [1, 1, 0])]
 )
@@ -263,6 +265,7 @@ def test_a_map_of_several_periods_is_refused():
         ns.orbits(ns.StroboscopicMap(rigid_wall(), every=2))
 
 
+@pytest.mark.slow
 def test_without_a_region_it_says_from_where_starts_were_drawn():
     """Between two stops the motion from rest strikes neither; two orbits that strike lie beyond."""
     stops = ns.System(

@@ -73,6 +73,7 @@ def specials(branch, kind: str) -> list[float]:
     return branch["special_value"].values[branch["special_kind"].values == kind].tolist()
 
 
+@pytest.mark.slow
 def test_a_doubled_branch_ends_where_it_comes_to_a_shorter_orbit_at_a_graze():
     """Beyond, its orbits would be those of period one passed twice, whose branch has that graze."""
     stops = ns.System(
@@ -104,6 +105,7 @@ def test_a_doubled_branch_ends_where_it_comes_to_a_shorter_orbit_at_a_graze():
         assert np.abs(run["end_state"].values - point[["x", "v"]].to_array().values).max() > 1e-5
 
 
+@pytest.mark.slow
 def test_a_doubled_branch_is_halved_where_it_turns_back():
     """It ends at a flip of the orbit that it doubles, which is no fold, and is not passed twice."""
     gear = ns.System(

@@ -74,6 +74,7 @@ def test_points_are_those_of_single_motions():
                 np.testing.assert_array_equal(here[name].item(), one[name].item())
 
 
+@pytest.mark.slow
 def test_threads_refinement_and_files(tmp_path):
     """The refined map is the whole one, computed at its borders and filled elsewhere."""
     over = {"omega": np.linspace(0.8, 0.9, 5), "a": np.linspace(0.5, 0.9, 5)}
@@ -123,6 +124,7 @@ def test_values_and_starts_that_are_impossible():
     assert np.all(np.isnan(grid["K_of_motion"]))
 
 
+@pytest.mark.slow
 def test_work_that_was_begun_goes_on(tmp_path, monkeypatch):
     over = {"omega": np.linspace(0.8, 0.9, 6), "a": np.linspace(0.5, 0.9, 6)}
     options = {"transient": 100, "record": 40, "longest": 100, "evidence": 200, "refine": 1}

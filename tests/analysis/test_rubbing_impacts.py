@@ -84,6 +84,7 @@ def test_the_range_of_the_parameter_does_not_decide_whether_a_branch_goes_on():
     assert len(set(details)) == 1
 
 
+@pytest.mark.slow
 def test_what_an_orbit_touches_is_told_as_it_was_written():
     """A surface with its function, an exit with its guard."""
     branch = ns.continue_orbit(DAMPER, "f", (5.1, 5.3), direction="up", steps=40)

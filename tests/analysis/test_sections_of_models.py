@@ -53,6 +53,7 @@ def sampled():
     }
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize(("model", "variable"), CASES)
 def test_crossings_are_sign_changes(sampled, model, variable):
     system, run = with_level(MODELS[model]), sampled[model]
@@ -80,6 +81,7 @@ def test_crossings_are_sign_changes(sampled, model, variable):
         np.testing.assert_allclose(points[variable], level, atol=1e-12 * max(1, abs(level)))
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("model", MODELS)
 def test_a_section_changes_no_trajectory(sampled, model):
     system, run = MODELS[model], sampled[model]

@@ -83,6 +83,7 @@ def test_two_processes_do_each_task_once(verb, tmp_path):
     assert not list((tmp_path / "shared" / "workers").iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("verb", ["ensemble", pytest.param("chain", marks=pytest.mark.slow)])
 def test_what_a_killed_process_had_begun_is_done_by_another(verb, tmp_path):
     """The claims of a process of this machine end with it; the other waits for nothing."""

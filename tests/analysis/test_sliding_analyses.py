@@ -21,6 +21,7 @@ def no_warning():
         yield
 
 
+@pytest.mark.slow
 def test_strobes_of_a_motion_that_rests_in_every_period():
     strobes = ns.stroboscopic_map(wall(), {"x": -1.0}, transient=2, record=4)
     x, v = chatter.state_at(0.3, 0.8, 2 * mp.pi / mpf("0.3"))

@@ -59,6 +59,7 @@ def slow():
     return system, ns.continue_orbit(system, "v_b", (0.05, 1.2))
 
 
+@pytest.mark.slow
 def test_the_branch_goes_on_from_bound_to_bound(fast, slow):
     for system, branch in (fast, slow):
         assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("bound", "bound")
@@ -163,6 +164,7 @@ def friction() -> ns.System:
     )
 
 
+@pytest.mark.slow
 def test_friction_from_no_stop_to_stops_and_to_stick_for_ever():
     branch = ns.continue_orbit(friction(), "mu", (0.0, 1.2), direction="up")
     assert branch.attrs["end_last"] == "bound"
@@ -221,6 +223,7 @@ def test_three_changes_that_follow_a_graze_at_once_come_in_their_order():
         assert np.abs(run["end_state"].values - start).max() < 1e-8
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("phase", [0.0, 0.3])
 @pytest.mark.parametrize("low", [2.5, 3.0])
 def test_a_follower_lifts_off_its_cam(phase, low):

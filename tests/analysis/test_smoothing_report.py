@@ -166,6 +166,7 @@ def stick_by_mpmath():
         return float(2 * (begin + mpmath.pi / w - end))
 
 
+@pytest.mark.slow
 def test_stick_time_of_a_friction_oscillator():
     """The exact one to 1e-9, for it has settled to 1e-12; the smoothed one by scipy, to 1e-6."""
     system = ns.System(
@@ -246,6 +247,7 @@ def test_shift_of_a_flip_and_a_pair_of_folds_that_is_an_artefact():
     assert float(report["extra_width_exponent"]) > 1.0
 
 
+@pytest.mark.slow
 def test_an_attractor_that_exists_only_smoothed():
     """sign(x)**2 is 1 on both sides, so x goes through 0 to 5; tanh(x/eps)**2 is 0 between them.
 

@@ -105,6 +105,7 @@ def test_the_other_curve_begins_at_a_point_of_codimension_two():
     assert float(other["a"].max() - other["a"].min()) > 0.5
 
 
+@pytest.mark.slow
 def test_fold_flip_of_two_maps_side_by_side():
     """x' = x + mu - x**2 has a fold at mu = 0, y' = -(1 + nu) y + y**3 a flip at nu = 0."""
     system = kicked({"mu": 0.25, "nu": -0.3}, x="x + mu - x**2", y="-(1 + nu)*y + y**3")
@@ -119,6 +120,7 @@ def test_fold_flip_of_two_maps_side_by_side():
     assert flips["nu"].values == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_cusp():
     """Folds of x' = x + mu + nu x - x**3 lie on 27 mu**2 = 4 nu**3."""
     system = kicked({"mu": 0.0, "nu": 0.3}, x="x + mu + nu*x - x**3")
@@ -201,6 +203,7 @@ def test_a_flip_curve_goes_on_through_grazing(flips):
     assert bool(flips["admissible"].all())
 
 
+@pytest.mark.slow
 def test_grazing_flips_beside_closed_forms(flips):
     """Both points by a Newton method of 30 digits on other unknowns, from four digits of ours."""
     for k in np.flatnonzero(flips["special_kind"].values == "grazing_flip"):
@@ -341,6 +344,7 @@ def test_a_curve_goes_on_where_an_impact_throws_over_a_surface(drill):
 QUICK = {2, 3, 4}  # the word changes at none, behind the last step, and with it
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "steps", [pytest.param(k, marks=[pytest.mark.slow] * (k not in QUICK)) for k in range(1, 12)]
 )

@@ -47,6 +47,7 @@ def interrupting(monkeypatch, after):
     return begun
 
 
+@pytest.mark.slow
 def test_a_store_changes_nothing(straight, tmp_path) -> None:
     xr.testing.assert_identical(picture(tmp_path / "store"), straight)
     again = picture(tmp_path / "store")
@@ -56,6 +57,7 @@ def test_a_store_changes_nothing(straight, tmp_path) -> None:
     assert len(chunks(tmp_path / "store")) >= 5 + 4 + 1 + straight.sizes["branch"]
 
 
+@pytest.mark.slow
 def test_an_interruption_at_any_chunk_loses_nothing(straight, tmp_path, monkeypatch) -> None:
     """At each call one more chunk is done, until there are no more."""
     store = tmp_path / "store"
@@ -108,6 +110,7 @@ ns.bifurcation_picture(
     assert {name: data for name, data in chunks(store).items() if name in done} == done
 
 
+@pytest.mark.slow
 def test_a_damaged_chunk_is_done_again(straight, tmp_path) -> None:
     store = tmp_path / "store"
     picture(store)
@@ -140,6 +143,7 @@ def test_other_options_are_refused_by_name(tmp_path, monkeypatch, changed, told)
     assert told in str(refused.value)
 
 
+@pytest.mark.slow
 def test_points_that_are_kept_may_change(tmp_path) -> None:
     picture(tmp_path / "store")
     done = chunks(tmp_path / "store")

@@ -66,6 +66,7 @@ def twins(branch):
     return np.argwhere(jumps & same[:, None])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "strobe"), [("symmetric", 0), ("of_two_periods", 1)])
 def test_speeds_before_and_behind_the_impact(request, name, strobe):
     branch = request.getfixturevalue(name)

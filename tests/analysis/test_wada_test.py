@@ -25,6 +25,7 @@ def test_newtons_basins_are_wada_at_every_resolution(side):
     assert np.all(found["fraction_within"] == 1)
 
 
+@pytest.mark.slow
 def test_four_basins_need_more_cells():
     """Some petals of the four are so thin that a grid shows one or two of them only."""
     found = ns.wada_test(newton(4, 600), fatten=10)

@@ -70,6 +70,7 @@ def test_one_sided_is_the_spectrum_of_the_run():
         assert float(found["amplitude"][k, 0]) == pytest.approx(abs(mean), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_no_window_spreads_the_mean():
     found = ns.waterfall(ns.models.rotor(eps_x=0.2, delta_x=0.0), "eta", [0.5], "x", **QUICK)
     amplitude = found["amplitude"].isel(parameter=0)

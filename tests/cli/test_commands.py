@@ -68,6 +68,7 @@ def numbers(value):
     return [value] if isinstance(value, int | float) and not isinstance(value, bool) else []
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", TABLES)
 def test_a_table_and_the_same_as_json(run, name):
     table, document = run(name), run(name, "--json")
@@ -100,6 +101,7 @@ def texts(value):
     return [value] if isinstance(value, str) else []
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("suffix", ["svg", "pdf"])
 @pytest.mark.parametrize("name", DRAWN)
 def test_pictures_by_their_suffix(run, tmp_path, name, suffix):
@@ -127,6 +129,7 @@ def test_wrong_use_is_one_sentence_and_code_two(call, run, name):
         assert len(result.stderr.splitlines()) == 1
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", TABLE)
 def test_the_example_of_the_help_works(call, tmp_path, monkeypatch, name):
     """As it is typed, in seconds, beside the files that it names."""

@@ -123,6 +123,7 @@ def test_flaws_are_told_and_flawed_samples_left_out(call, flawed, tmp_path):
     assert call(*flawed, "--leave-out", "spike", "--json").stdout != result.stdout
 
 
+@pytest.mark.slow
 def test_a_fit_that_has_not_converged_is_told(call, ramp, tmp_path, monkeypatch):
     """The result is there, and there is nothing to draw a posterior from."""
     monkeypatch.setattr("nonsmooth.fitting.solver._CLOSED", 0.0)
@@ -198,6 +199,7 @@ def ball(tmp_path):
 OF_A_BALL = ("--free", "r=0.5:0.95", "--initial", "x=1.2", "--hold-back", "0", "--json")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("header", "factor"), [("instant", 1.0), ("instant [ms]", 1e3)])
 def test_instants_beside_a_record(call, ball, tmp_path, header, factor):
     """The instant of a bounce says what its height does, in the unit of its header."""
@@ -223,6 +225,7 @@ def test_instants_alone(call, ball, tmp_path, observe):
     assert row["estimate"] == pytest.approx(0.8, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_instants_within_the_part_that_is_kept(call, ball, tmp_path):
     words = ["fit", tmp_path / "ball.toml", tmp_path / "fall.csv", "--observe", "x=x"]
     words += ["--events", f"bounce={tmp_path / 'bounces.csv'}", "--noise", "x=0.001"]
@@ -285,6 +288,7 @@ def test_a_record_counts_once(call, ramp):
     assert f"--more: '{ramp[1]}' is given twice" in result.stderr
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("draw", ["fit", "profiles", "corner", "spectra"])
 def test_every_picture_is_drawn(call, ramp, tmp_path, draw):
     picture = tmp_path / "fit.png"
@@ -296,6 +300,7 @@ def test_every_picture_is_drawn(call, ramp, tmp_path, draw):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_posterior_beside_the_fit(call, ramp, tmp_path):
     words = ["fit", *ramp, "--free", "k=0:2", "--gain", "ch1=2", "--channel-offset", "ch1=0.5",
              "--starts", "1", "--segments", "1", "--store", tmp_path / "chain"]  # fmt: skip

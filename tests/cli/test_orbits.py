@@ -156,6 +156,7 @@ def test_no_orbit_is_said_with_its_cure(call, asked, tmp_path):
     assert "no orbit to start from" in result.stderr and "branch" not in asked
 
 
+@pytest.mark.slow
 def test_a_branch(call, asked, tmp_path):
     file, picture, behind = (tmp_path / name for name in ("b.nc", "b.pdf", "d.nc"))
     ns.bifurcation_diagram(
@@ -219,6 +220,7 @@ def test_what_begins_at_the_special_points_of_a_branch(call):
     assert flip["coefficient"] > 1e6 * flip["coefficient_error"] > 0.0
 
 
+@pytest.mark.slow
 def test_a_diagram_that_does_not_fit_is_refused_before_the_branch(call, asked, tmp_path):
     t = np.linspace(0.0, 1.0, 3)
     over = {"parameter": "zeta"}

@@ -13,6 +13,7 @@ GIVEN = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_command_says_what_the_verb_finds(call, tmp_path):
     saved = tmp_path / "picture.nc"
     found = json.loads(call(*GIVEN, "--json", "--save", str(saved)).stdout)

@@ -34,6 +34,7 @@ def test_absorption_is_a_result(call, accumulating):
     assert "absorbed" in result.stdout
 
 
+@pytest.mark.slow
 def test_map_file_and_picture(call, tmp_path):
     file, picture = tmp_path / "m.nc", tmp_path / "m.png"
     result = call(

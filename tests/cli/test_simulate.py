@@ -133,6 +133,7 @@ EVERY_MODEL = [
 ]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("model", EVERY_MODEL)
 def test_every_model_runs_and_is_drawn_by_default(call, tmp_path, model):
     system = getattr(ns.models, model)()

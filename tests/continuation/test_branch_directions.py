@@ -26,6 +26,7 @@ def test_pitchfork(derivatives):
     assert angles == pytest.approx([0, math.pi / 2], abs=1e-9 if derivatives else 1e-6)
 
 
+@pytest.mark.slow
 @given(st.floats(-2, 2), st.floats(-2, 2), st.floats(0.1, 3.0), st.floats(-1, 1))
 def test_transcritical(u0, p0, apart, bend):
     """Two curves that cross at any place and angle, and again at a distance of 1 or more."""

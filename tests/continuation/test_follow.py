@@ -134,6 +134,7 @@ def test_start_at_a_fold():
 _PLACES, _SIZES = st.floats(-3, 3), st.floats(0.1, 10)
 
 
+@pytest.mark.slow
 @given(_PLACES, _PLACES, _SIZES, _SIZES, st.sampled_from([1, -1]))
 def test_any_ellipse(u0, p0, a, b, direction):
     def ellipse(u, p):
@@ -148,6 +149,7 @@ def test_any_ellipse(u0, p0, a, b, direction):
     assert folds == pytest.approx([p0 + direction * b, p0 - direction * b], abs=1e-13 * (3 + b))
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10**6), st.floats(-6, 6), st.floats(-6, 6))
 def test_equations_may_be_mixed_and_have_any_units(seed, first, second):
     """Rows that are combined and multiplied say the same."""

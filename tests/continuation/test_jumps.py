@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from nonsmooth.continuation import follow
 
 
+@pytest.mark.slow
 @given(st.floats(1e-3, 0.5), st.floats(0.5, 4), st.floats(0.05, 1.0), st.booleans())
 def test_parallel_branches(gap, waves, step, above):
     """Two waves side by side; big steps predict the wrong one."""
@@ -38,6 +39,7 @@ def follow_first_of_three(gap, waves, **steps):
     return max(abs(point.u[0] - np.sin(waves * point.p)) for point in branch)
 
 
+@pytest.mark.slow
 @given(st.floats(0.01, 0.3), st.floats(1, 4), st.floats(0.01, 0.2))
 def test_next_but_one_of_three_branches(gap, waves, step):
     """It has the orientation of the first, so only the shape of the step tells."""

@@ -42,6 +42,7 @@ def test_folds_of_a_reaction(left_out):
         assert k * x1 * (1 - x1) == pytest.approx(1, abs=digits)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("left_out", [0, 1, 3])
 def test_cusps_however_the_numbers_round(left_out):
     """Each start makes its own points, steps and rounding; all curves have the same cusp.

@@ -47,6 +47,7 @@ def compare(system, periods):
     return true
 
 
+@pytest.mark.slow
 def test_first_period_from_rest_has_all_four_phases():
     true = compare(rig(), 1)
     assert {e.mode_to for e in true.events} == {"both", "mass_1", "mass_2", "none"}

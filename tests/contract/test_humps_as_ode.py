@@ -120,11 +120,13 @@ def judge(case, form, number):
     return Verdict(right, flagged, error, case.gap, form, number)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", COUNTS)
 def test_no_answer_is_wrong_without_a_flag(count):
     assert not [v for v in verdicts(count) if not (v.right or v.flagged)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", COUNTS)
 def test_what_rounding_hides_is_flagged(count):
     found = verdicts(count, HIDDEN)

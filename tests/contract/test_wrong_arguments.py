@@ -492,6 +492,7 @@ def elsewhere(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", VERBS)
 def test_a_wrong_argument_is_refused_at_once_and_by_its_name(name):
     right, long = cases()[name]
@@ -508,6 +509,7 @@ def test_a_wrong_argument_of_fatigue_is_refused(name):
     check(name, getattr(ns.fatigue, name), fatigue()[name], {})
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", excitation())
 def test_a_wrong_argument_of_excitation_is_refused(name):
     check(name, getattr(ns.excitation, name), excitation()[name], {})

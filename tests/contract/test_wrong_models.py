@@ -155,6 +155,7 @@ def test_every_function_and_method_of_models_is_tried():
     assert taking - {"MatrixRotor.from_file"} == set(METHODS)
 
 
+@pytest.mark.few(12)
 @pytest.mark.parametrize("name", [*ns.models.__all__, *METHODS])
 def test_a_wrong_argument_of_a_model_is_refused_by_its_name(name):
     make, right = cases()[name]
@@ -190,6 +191,7 @@ def test_a_file_of_matrices_that_is_none(wrong):
         ns.models.MatrixRotor.from_file(wrong, ring=(0, 1))
 
 
+@pytest.mark.slow
 def test_a_dataset_that_lacks_something_is_refused_or_not_missed():
     """Nothing ends in a KeyError of xarray, whatever was taken out of a result."""
     tried = 0

@@ -27,6 +27,7 @@ def check(name, seeds):
     assert off <= SOME * len(seeds), [v for v in row.verdicts if not v.strict <= 1.0]
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", CLASSES)
 def test_first_cases_of_each_class(name):
     check(name, range(16))

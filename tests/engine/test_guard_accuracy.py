@@ -32,6 +32,7 @@ def seeds_with(count, condition):
 COUNTS = [FEW, pytest.param(MANY, marks=pytest.mark.slow)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", COUNTS)
 def test_no_crossing_is_wrong_without_a_flag(count):
     assert not seeds_with(count, lambda v: v.word == "wrong")
@@ -64,6 +65,7 @@ def test_most_flags_and_misses_are_looked_at():
     assert kinds >= {"hump", "level", "zero of order 1", "zero of order 2", "zero of order 3"}
 
 
+@pytest.mark.slow
 def test_truth_agrees_with_the_taylor_reference():
     compared = 0
     for seed in range(120):

@@ -135,6 +135,7 @@ def case_of(matrix, rng):
     return GuardCase("nearly defective", 0, flow, *augmented(flow), guards, ())
 
 
+@pytest.mark.slow
 def test_margins_of_all_kinds_of_spectra():
     assert sum(judge(seed) for seed in FEW) > len(FEW) / 3
 
@@ -144,6 +145,7 @@ def test_margins_of_many_spectra():
     assert sum(judge(seed) for seed in MANY) > len(MANY) / 3
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("eps", COUPLINGS)
 @pytest.mark.parametrize("rate", [0.0, -0.3, -30.0])
 def test_margins_of_nearly_defective_chains(rate, eps):

@@ -9,6 +9,7 @@ from functools import cache
 
 import mpmath
 import numpy as np
+import pytest
 
 from engine.native_shim import motion_rows
 
@@ -65,6 +66,7 @@ def reduced(b):
     return [b[i] - b[0] - i * (b[1] - b[0]) for i in range(DEGREE + 1)]
 
 
+@pytest.mark.slow
 def test_rows_have_the_rounding_that_margins_allow_for():
     z = motions()
     rows, sizes, _ = motion_rows(z)
@@ -80,6 +82,7 @@ def test_rows_have_the_rounding_that_margins_allow_for():
             assert abs(complex(row[0, 1], row[1, 1]) - motion / DEGREE) <= UNIT * abs(motion)
 
 
+@pytest.mark.slow
 def test_what_rows_leave_out_is_below_its_bound():
     """By values of exp(z t) - 1 - z t beside those of the row, where it is above rounding."""
     z = [motion for motion in motions() if abs(motion) > 3.0]

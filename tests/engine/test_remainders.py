@@ -178,6 +178,7 @@ def as_function(text, operands):
 DRAWS = pytest.mark.parametrize("draws", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
 
 
+@pytest.mark.few(6)
 @DRAWS
 @pytest.mark.parametrize("text", OPERATIONS)
 def test_bound_of_an_operation(text, draws):
@@ -214,6 +215,7 @@ SOLUTIONS = {
 }
 
 
+@pytest.mark.few(8)
 @DRAWS
 @pytest.mark.parametrize("rate", SOLUTIONS)
 def test_bound_of_a_state(rate, draws):

@@ -86,6 +86,7 @@ def test_forcing_slow_beside_relaxation_and_a_free_mass(s):
     assert worst(oscillator(k=0.0, zeta=0.1, omega=1e-4), s) < ALLOWED
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("s", [1e-4, 0.5, 30.0])
 def test_models(s):
     # flight, contact and progression of the mole: rigid, slaved and relaxing motions
@@ -140,6 +141,7 @@ def judge(name, seed):
     return max(case.error(0, p, out[p], z, columns[p], s) for p in range(len(names)))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", CLASSES)
 def test_random_systems_of_each_class(name):
     errors = {seed: judge(name, seed) for seed in range(3)}

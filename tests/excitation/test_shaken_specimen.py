@@ -35,6 +35,7 @@ def test_without_a_crack_it_answers_like_a_linear_oscillator():
     assert np.abs(load.values - exact).max() < 2e-6 * np.abs(exact).max()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("mean", [0.0, 150.0, -60.0])
 def test_breathing_against_scipy(mean):
     rig = ShakenSpecimen(ligament, CLOSED, mean_load=mean)
@@ -70,6 +71,7 @@ def test_the_cascade_moves_as_the_record_does():
     assert np.abs(cascade["load"].values - record["load"].values).max() < 1e-4 * size
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("variable", ["v", "acceleration"])
 def test_the_cascade_takes_other_variables(variable):
     rig = ShakenSpecimen(ligament, CLOSED)
@@ -109,6 +111,7 @@ def test_powers_are_equal_on_the_records_used(measure):
         assert float(found["load_rms"][0] / found["reference_load_rms"][0]) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_one_cell_of_the_spread_is_the_single_comparison():
     rig = ShakenSpecimen(ligament, CLOSED, damping=0.2, mean_load=150.0)
     wave = duffing(20.0, duration=12.0)

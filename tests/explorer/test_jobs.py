@@ -64,6 +64,7 @@ def test_a_task_that_fails_says_why_and_the_next_one_runs(crew):
     assert ear.rest(crew.submit(Job("motion", MOLE, ear)))[-1][0] == "done"
 
 
+@pytest.mark.slow
 def test_a_job_that_waits_is_cancelled_without_a_word(crew):
     ear = Ear()
     long = crew.submit(Job("plane", LONG, ear, options=ALL))

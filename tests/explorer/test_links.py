@@ -35,6 +35,7 @@ def test_every_entry_of_the_list_is_a_view_and_a_link(preset):
     assert from_link(to_link(view)) == view
 
 
+@pytest.mark.slow
 @given(
     values=st.lists(st.tuples(NAMES, st.text(max_size=8)), max_size=3, unique_by=lambda p: p[0]),
     initial=PAIRS,

@@ -136,6 +136,7 @@ def test_an_error_that_repeats_with_the_motion_is_told_as_one_of_the_model():
     assert size == pytest.approx(expected, rel=0.67)
 
 
+@pytest.mark.slow
 def test_a_wrong_mass_is_told_as_an_error_of_the_forces_and_measured():
     """A mass that is 2 % heavier than that of the model."""
     rng = np.random.default_rng(7)

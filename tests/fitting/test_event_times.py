@@ -132,6 +132,7 @@ def test_instants_and_samples_are_fitted_together():
     assert gap[0] < gap[1]
 
 
+@pytest.mark.slow
 def test_an_impact_that_was_not_picked_and_one_that_is_none():
     """One instant is left out, one is put in where nothing happens: the others decide."""
     times = np.arange(0.0, 40 * PERIOD, PERIOD / 40)

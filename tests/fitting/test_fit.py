@@ -46,6 +46,7 @@ def long_record():
     return soft_record(40, 0.02, 1)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("segments", [1, 5])
 def test_a_straight_line_is_linear_regression(segments):
     """Slope, its error and its t-interval are those of the closed form, in any segments."""
@@ -90,6 +91,7 @@ def test_forty_periods_are_fitted(long_record):
     assert float(found["whiteness"][0]) > 0.01
 
 
+@pytest.mark.slow
 def test_single_shooting_fails_on_forty_periods(long_record):
     """The same record in one segment: this is what multiple shooting is for.
 
@@ -121,6 +123,7 @@ def test_acceleration_with_gain_offset_and_delay():
     assert (errors < 4.0 * found["standard_error"]).all()
 
 
+@pytest.mark.slow
 def test_rigid_impacts_are_fitted():
     """Coefficient of restitution and place of the wall, from positions with 2 % of noise."""
     rng = np.random.default_rng(5)
@@ -136,6 +139,7 @@ def test_rigid_impacts_are_fitted():
     assert (errors < 4.0 * found["standard_error"]).all()
 
 
+@pytest.mark.slow
 def test_a_mole_with_a_hidden_slider_is_fitted():
     """Nothing is seen of the slider, on which the mass lies where segments begin."""
     machine, truth = machines.moling(), {"a": 0.3, "b": 0.15, "xi": 0.05}
@@ -225,6 +229,7 @@ def two_springs():
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_two_springs_are_not_told_apart():
     """Of k1 and k2 the sum alone counts."""
     times = np.linspace(0.0, 20.0, 300)
@@ -252,6 +257,7 @@ def test_a_spring_that_is_never_met_is_not_determined():
     assert found["interval_high"].values[0] == 45.0
 
 
+@pytest.mark.slow
 def test_what_is_not_determined_is_open_in_coloured_noise_too():
     """A stop that is never met, beside residuals in which each sample remembers the one before."""
     times = np.linspace(0.0, 30.0, 600)
@@ -283,6 +289,7 @@ def test_samples_that_are_nan_are_left_out():
     assert one.attrs["n_fitted"] == 40
 
 
+@pytest.mark.slow
 def test_samples_that_a_check_has_flagged_are_left_out():
     """A channel that freezes for a fifth of the record: the mask does what nan does."""
     ramp, record = line(count=400)
@@ -371,6 +378,7 @@ def test_a_minimum_to_which_no_start_led_is_told():
     )
 
 
+@pytest.mark.slow
 def test_block_bootstrap_is_that_of_regression():
     """Blocks of residuals drawn by hand, and a line through them by another function.
 
@@ -390,6 +398,7 @@ def test_block_bootstrap_is_that_of_regression():
     assert width == pytest.approx(high - low, rel=0.3)
 
 
+@pytest.mark.slow
 def test_noise_that_is_given_or_bounded_stays():
     ramp, record = line()
     one = ns.fit(ramp, record, {"k": (-5, 5)}, noise=0.2, starts=1)
@@ -398,6 +407,7 @@ def test_noise_that_is_given_or_bounded_stays():
     assert other["noise"].values.tolist() == [0.1]
 
 
+@pytest.mark.slow
 def test_a_result_comes_back_from_a_file(tmp_path):
     import xarray as xr
 
@@ -419,6 +429,7 @@ def in_units(model, record, gain=None, times="s"):
     return ns.fit(ramp, data, {"k": (-5, 5)}, gain=gain, starts=1, segments=1)
 
 
+@pytest.mark.slow
 def test_units_of_record_and_model_that_differ_are_told():
     said = in_units("mm", "um").attrs["message"]
     assert "x is in um and x of the model in mm, with a gain of 1: give gain=" in said

@@ -74,6 +74,7 @@ def test_what_was_known_before_counts_as_a_measurement():
     assert drawn.attrs["prior"] == "{'k': 'norm(0.5, 0.05)'}"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("segments", [1, 4])
 def test_the_start_is_integrated_out(segments):
     """x = s exp(-k t): the integral over s of the likelihood is known for each k."""
@@ -138,6 +139,7 @@ def test_impacts_have_a_posterior_like_the_profile():
         assert abs(SOFT[name] - middle) < 2.0 * half
 
 
+@pytest.mark.slow
 def test_a_chain_goes_on_from_its_store(tmp_path):
     """An interruption, a longer chain, and one without a store have the same draws."""
     _, found = fit_of_line()
@@ -172,6 +174,7 @@ def test_an_interruption_keeps_what_was_drawn(monkeypatch):
     assert np.isfinite(drawn["posterior_value"]).all()
 
 
+@pytest.mark.slow
 def test_a_fit_from_a_file_has_the_same_posterior(tmp_path):
     import xarray as xr
 
@@ -184,6 +187,7 @@ def test_a_fit_from_a_file_has_the_same_posterior(tmp_path):
     once.to_netcdf(tmp_path / "posterior.nc", engine="h5netcdf")
 
 
+@pytest.mark.slow
 def test_a_chain_that_is_too_short_says_what_would_be_enough():
     _, found = fit_of_line()
     with pytest.warns(ns.ResultWarning, match="the chain is too short"):
@@ -221,6 +225,7 @@ BAD = [
 ]
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(("options", "words"), BAD, ids=lambda each: str(each)[:30])
 def test_bad_input_is_named_with_what_is_allowed(options, words):
     _, found = fit_of_line()

@@ -38,6 +38,7 @@ def two_speeds():
     return ns.fit(driven(), records, {"k": (0.5, 2.5)}, by_record=values, starts=1)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("make", [bounces, two_lines, samples_late_and_scaled, two_speeds])
 def test_equations_come_back_from_a_file(make, tmp_path):
     """The same residuals and gaps, with the same unknowns."""

@@ -98,6 +98,7 @@ def test_steady_impacts_are_fitted_as_well_as_the_whole_record(settled):
     assert steady.attrs["largest_multiplier"] < 1.0
 
 
+@pytest.mark.slow
 def test_the_data_choose_the_form(settled):
     """A record that repeats every second period, against the first periods of the same motion."""
     found = fit_settled(settled)
@@ -114,6 +115,7 @@ def chaotic(times):
     return soft_motion(times, [0.3, 0.1], a=1.2, e=0.5, omega=1.0)[0]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("motion", "expected"),
     [
@@ -153,6 +155,7 @@ def test_the_phase_of_the_forcing_is_found():
     assert (errors < 4.0 * found["standard_error"]).all()
 
 
+@pytest.mark.slow
 def test_a_transient_begins_at_an_unknown_phase():
     times = np.arange(0.0, 60.0, 0.1)
     x, *_ = soft_motion(np.append(0.0, times + 1.1), [0.3, 0.1])
@@ -165,6 +168,7 @@ def test_a_transient_begins_at_an_unknown_phase():
     assert (errors < 4.0 * found["standard_error"]).all()
 
 
+@pytest.mark.slow
 def test_steady_events_are_fitted():
     """Impacts of a settled motion: all periods share one instant of the cycle."""
     period = 2.0 * np.pi / RIGID["omega"]
@@ -185,12 +189,14 @@ def test_steady_events_are_fitted():
     assert float(found["noise"][0]) == pytest.approx(0.01, rel=0.35)
 
 
+@pytest.mark.slow
 def test_a_wrong_cycle_leaves_residuals_that_are_no_noise(settled):
     found = fit_settled(settled, form="steady", cycle=1)
     assert float(found["whiteness"][0]) < 1e-6
     assert "residuals of x are correlated" in found.attrs["message"]
 
 
+@pytest.mark.slow
 def test_rigid_impacts_repeat_too():
     period = 2.0 * np.pi / RIGID["omega"]
     times = np.arange(100 * 50) * period / 50

@@ -18,6 +18,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", CASES)
 def test_the_engine_comes_to_the_same_motion(name):
     """To 1e-8, over a stretch in which an error of a step at 1e-11 does not grow beyond that."""

@@ -43,6 +43,7 @@ def test_a_balanced_layout_has_the_variance_of_the_analysis_of_variance():
     np.testing.assert_allclose(found.coefficients, shrunk * means, rtol=1e-3, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_noise_alone_speaks_for_no_family_but_as_often_as_the_level():
     """At a level of 0.05, 400 layouts of noise: 20 are found, to three standard errors of 4.4."""
     rng = np.random.default_rng(2)

@@ -43,6 +43,7 @@ def grown(motion):
     return found
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("low", "unit"), [(-np.pi, 1.0), (0.0, 180.0 / np.pi)], ids=["-pi to pi", "0 to 360"]
 )
@@ -60,6 +61,7 @@ def test_an_angle_within_one_turn_gives_what_the_grown_one_does(motion, grown, l
     assert np.nanmax(np.abs(found["residual"].values)) < 0.06 * unit
 
 
+@pytest.mark.slow
 def test_a_gap_of_some_turns_does_not_matter(motion, grown):
     """Where samples are missing, unwrapping would miss turns."""
     times, angle = motion
@@ -79,6 +81,7 @@ def test_a_wrapped_angle_in_degrees_names_its_gain(motion):
         fitted(times, np.degrees(np.mod(angle, 2.0 * np.pi)), hold_back=0.4)
 
 
+@pytest.mark.slow
 def test_a_steady_swing_is_fitted_as_such():
     """An angle is no drift: a swing that repeats itself has a cycle."""
     run = ns.simulate(pendulum(0.25, 0.1), periods=100, samples_per_period=30)

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 CONFTEST = Path(__file__).parents[1] / "conftest.py"
 TESTS = """
 import pytest
@@ -33,6 +35,7 @@ def test_known():
 """
 
 
+@pytest.mark.slow
 def test_names_of_failed_tests_are_the_last_lines(tmp_path):
     """Below totals, and below the reasons of tests that were left out."""
     shutil.copy(CONFTEST, tmp_path)

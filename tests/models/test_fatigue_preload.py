@@ -86,6 +86,7 @@ def test_start_up_asks_for_more_than_steady_motion():
     assert (start["margin"] <= steady["margin"]).all()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("motion", ["steady", "start-up"])
 def test_bisection_finds_the_closed_form(motion):
     """A crack that hardly changes the stiffness goes by simulation, and has the linear forces."""
@@ -97,6 +98,7 @@ def test_bisection_finds_the_closed_form(motion):
         assert np.allclose(closed[name], bisected[name], rtol=3e-8), name
 
 
+@pytest.mark.slow
 def test_a_breathing_crack_asks_for_other_forces():
     system = fatigue_rig(**FIGURE_25 | {"f1": 4.5}, open_stiffness=0.4)
     found = least_preload(system, ratio=0.8)

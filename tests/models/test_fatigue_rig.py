@@ -57,6 +57,7 @@ def compare(run, true, renamed):
     assert np.abs(found - [float(x) for x in true.state[:5]]).max() < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "periods"),
     [
@@ -77,6 +78,7 @@ def test_periods_from_rest_against_fifty_digits(changes, periods):
     assert len(true.events) >= 2 * periods
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.6, pytest.param(0.2, marks=pytest.mark.slow)])
 def test_a_crack_against_fifty_digits(ratio):
     system = fatigue_rig(**FIGURE_25 | {"f1": 4.5, "open_stiffness": ratio})

@@ -60,6 +60,7 @@ def rates(d):
     return field, s
 
 
+@pytest.mark.slow
 def test_runs_in_metres_and_seconds():
     """Two periods with loss of contact and a crack, by an integrator in SI units."""
     run = RIG.to_si(ns.simulate(RIG.system(), periods=2))

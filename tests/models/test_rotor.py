@@ -10,6 +10,7 @@ from nonsmooth.models import massive_ring_rotor, rotor, snubber_ring
 PRELOADS = [(0.1, 0.1), (0.0, 0.0), (0.3, 0.05), (0.0, 0.2)]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("preload", PRELOADS)
 def test_ten_thousand_starts_stand_where_statics_put_them(preload):
     """The engine's Newton against closed forms and one monotone equation (`snubber_ring`)."""
@@ -54,6 +55,7 @@ def test_distance_in_contact_and_the_force_that_presses():
     assert run.attrs["certified"] == 1
 
 
+@pytest.mark.slow
 def test_a_ring_with_little_damping_tends_to_one_that_returns_at_once():
     """The difference falls in proportion to the damping."""
     start = {"x": 0.3, "vx": 1.0, "vy": -2.0}

@@ -293,6 +293,7 @@ def preloads():
     return {name: RIG.parameters()[name] for name in ("K", "delta_x", "delta_y")}
 
 
+@pytest.mark.few(4)
 @pytest.mark.filterwarnings("ignore::nonsmooth.ResultWarning")
 @pytest.mark.parametrize(
     "verb", [pytest.param(each, marks=[pytest.mark.slow] * (each in SLOW)) for each in RESULTS]
@@ -408,6 +409,7 @@ def test_two_preloads_as_one_parameter():
     assert diagram.attrs["rig_gap"] == 0.5
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("ties", "unit"),
     [({"delta_y": "p"}, "mm"), ({"delta_y": "0.1 + 2*p"}, "mm"), ({"K": "p*pi"}, "N/m")],
@@ -420,6 +422,7 @@ def test_units_that_follow(ties, unit):
     assert np.allclose(si["parameter"], factor * np.array([0.2, 0.3]), rtol=1e-14)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "ties", [{"delta_y": "p*delta_x"}, {"delta_y": "p**2"}, {"delta_x": "p", "nu1": "p"}]
 )

@@ -40,6 +40,7 @@ def nearest(branch, value: float, *kinds: str) -> float:
     return min(abs(each - value) for each in found)
 
 
+@pytest.mark.slow
 def test_mole_flip_and_fold_of_the_period_one_branch():
     """Both ends of the stable period-one motion, to 1e-9 by two routes."""
     system = ns.models.moling(**DEFAULTS)
@@ -104,6 +105,7 @@ def wall_branch(n: int, force: float, between: tuple[float, float], **words):
     return wall, ns.continue_orbit(system, "F", between, initial=orbit)
 
 
+@pytest.mark.slow
 def test_rigid_wall_fold_flip_and_grazing():
     """The two-period orbit: fold, back to grazing at speed zero; flip, then a second touch."""
     words = {"omega": 2.8, "zeta": 0.02, "sigma": 0.1, "r": 0.8}
@@ -115,6 +117,7 @@ def test_rigid_wall_fold_flip_and_grazing():
     assert nearest(branch, float(wall.grazing_force), "grazing", "lost") < 1e-10
 
 
+@pytest.mark.slow
 def test_no_admissible_point_goes_through_the_wall():
     words = {"omega": 2.8, "zeta": 0.02, "sigma": 0.1, "r": 0.8}
     _, branch = wall_branch(2, 0.3, (0.05, 2.2), **words)

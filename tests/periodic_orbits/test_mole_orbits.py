@@ -143,6 +143,7 @@ def test_both_orbits_beside_the_fold(longer):
     assert abs(orbit["multipliers"].values[0] - float(exact.multipliers[0])) < 1e-9 / near_one
 
 
+@pytest.mark.slow
 def test_beyond_the_fold_there_is_none_of_this_word():
     kept = POINTS["fold"]
     beyond = ns.models.moling(**DEFAULTS | {"b": float(kept["value"]) + 1e-3})

@@ -41,6 +41,7 @@ def saddle_node_on_a_circle(steps: int) -> xr.Dataset:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_period_without_bound():
     branch = saddle_node_on_a_circle(150)
     assert branch.attrs["end_first"] == "unbounded"

@@ -49,6 +49,7 @@ def test_belt(how):
     assert bool(orbit["stable"])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "how", [{"initial": {"x": -1.0, "v": 0.0}, "transient": 3}, {"word": "free stuck free"}]
 )

@@ -80,6 +80,7 @@ def test_both_orbits_beside_the_fold(shorter):
         assert bool(abs(exact.multipliers[0]) < 1) == (factor < 1)
 
 
+@pytest.mark.slow
 def test_beyond_the_fold_no_orbit_has_one_contact():
     kept = ORBITS["soft_points"]["fold"]
     start = {"x": float(kept["free"][0]), "v": float(kept["free"][1])}
@@ -129,6 +130,7 @@ def test_the_trilinear_orbit_at_symmetry_breaking(name, off):
     assert bool(orbit["stable"]) == bool(abs(half.multipliers[0]) < 1)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("omega", [1.5, 0.9, 0.6])
 def test_the_trilinear_orbit_away_from_symmetry_breaking(omega):
     kept = ORBITS["trilinear_points"]["upper" if omega > 0.8 else "lower"]

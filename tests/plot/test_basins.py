@@ -113,6 +113,7 @@ def test_cells_left_out_by_an_interruption():
     assert len(set(cell_colours(ax))) == 4
 
 
+@pytest.mark.slow
 def test_a_result_as_it_comes():
     """Labels, attractors and measures of one computation agree."""
     system = ns.models.duffing()
@@ -153,6 +154,7 @@ def test_the_key_fits_beside_other_axes():
     assert axes[0].get_legend().get_window_extent().x1 < axes[1].get_window_extent().x0
 
 
+@pytest.mark.slow
 def test_a_million_cells_stay_small(tmp_path):
     across = np.linspace(-1.5, 1.5, 1000)
     z = across[None, :] + 1j * across[:, None]

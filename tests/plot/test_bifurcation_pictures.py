@@ -53,6 +53,7 @@ def lines_of_branches(ax) -> list[np.ndarray]:
     ]
 
 
+@pytest.mark.slow
 def test_no_line_leads_over_the_jump_of_a_bouncing_ball():
     """Its two orbits meet at pi (1 - r)/(1 + r), where the ball bounces just at the strobe.
 

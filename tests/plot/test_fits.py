@@ -38,6 +38,7 @@ def labelled(ax, label):
     return artist
 
 
+@pytest.mark.slow
 def test_profiles_pass_through_their_points_and_meet_the_threshold(found):
     panels = ns.plot.profiles(found)
     assert [ax.get_xlabel() for ax in panels] == ["k", "c", "a gain"]
@@ -109,6 +110,7 @@ def test_ellipses_are_those_of_the_covariance(found):
             np.testing.assert_allclose(1.0 - np.exp(-levels / 2.0), part, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_a_corner_has_the_draws_of_bootstrap_and_posterior(found):
     with pytest.warns(ns.ResultWarning, match="chain is too short"):  # long enough to be drawn
         posterior = ns.posterior(found, draws=20, transient=0)
@@ -121,6 +123,7 @@ def test_a_corner_has_the_draws_of_bootstrap_and_posterior(found):
         ns.plot.corner(found, posterior=found)
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("deviation", [0.0003, 0.0008, 0.0012, 0.002])
 @pytest.mark.parametrize("inches", [2.2, 3.0, 4.0])
 def test_numbers_below_a_small_corner_do_not_touch(found, deviation, inches):

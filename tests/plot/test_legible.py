@@ -72,6 +72,7 @@ def legend_texts(ax):
     return [text.get_text() for text in ax.get_legend().get_texts()]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("rows", "columns", "width"), [(1, 1, 8.5), (2, 2, 17.0), (2, 2, 8.5)])
 def test_long_legends_leave_room_and_stay_inside(rows, columns, width):
     figure, axes = ns.plot.print_figure(rows, columns, width=width)
@@ -94,6 +95,7 @@ def test_a_figure_of_our_own_grows_for_all_entries():
     assert len(legend_texts(ax)) == 12
 
 
+@pytest.mark.few(8)
 @pytest.mark.parametrize("scale", [1.0, 0.0123, 1.23e-4, 1.23e-6, 12345.0, 1e9])
 @pytest.mark.parametrize("width", [4.5, 8.5, 17.0])
 def test_numbers_along_axes_do_not_touch_each_other_or_the_label(scale, width):

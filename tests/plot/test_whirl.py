@@ -187,6 +187,7 @@ def test_statistics(ax):
     assert first.get_text() == "5 to 95 %"
 
 
+@pytest.mark.slow
 def test_run_up_and_run_down_on_one_axes(ax):
     for text in ("2 + t/300", "3 - t/300"):
         system = ns.models.rotor()

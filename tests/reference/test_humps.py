@@ -20,6 +20,7 @@ def as_linear_system(case):
     return matrix, start, guard
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("gaps", [(1e-10, 1e-6), (1e-6, 1e-1)])
 def test_first_root_is_that_of_the_linear_route(gaps):
     hits = 0

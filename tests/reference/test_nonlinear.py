@@ -70,6 +70,7 @@ LINEAR = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", LINEAR)
 def test_linear_automata_agree(name):
     case = CASES[name]
@@ -86,6 +87,7 @@ def test_linear_automata_agree(name):
 ROTOR = pytest.param("rotor", marks=pytest.mark.slow)  # whose series have the most terms
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", [ROTOR, "pendulum", "ramp", "curved mole"])
 def test_first_stretches_by_another_integrator(name):
     """mpmath's own integrator from the start, and from the first event, to 20 digits."""
@@ -122,6 +124,7 @@ def _odefun(case, mode, p, t0, start):
     return mp.odefun(lambda t, z: rates(t, z, p), mpf(t0), [mpf(x) for x in start])
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", [ROTOR, *(name for name in CASES if name != "rotor")])
 def test_order_and_tolerance_do_not_matter(name):
     case = CASES[name]
@@ -165,6 +168,7 @@ def test_derivatives_of_a_bouncing_ball():
 STORED = json.loads(FILE.read_text(encoding="utf-8"))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", CASES)
 def test_stored_runs_are_those_of_the_route(name):
     case, stored = CASES[name], STORED[name]
@@ -175,6 +179,7 @@ def test_stored_runs_are_those_of_the_route(name):
     assert [list(map(text, row)) for row in run.samples] == stored["samples"]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "name", [*QUICK, *(pytest.param(n, marks=pytest.mark.slow) for n in CASES if n not in QUICK)]
 )

@@ -75,6 +75,7 @@ def test_guard_rates_are_the_slopes_of_the_guards(mode, xi):
         assert abs(slope - flow.rate(guard.to, state, theta)) < mpf("1e-40")
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("xi", [0.05, 1.0, 1.5])
 def test_guards_are_monotone_between_the_points_that_separate_their_zeros(mode, xi):
@@ -122,6 +123,7 @@ def test_first_contact_from_rest_by_taylor_integration():
         )
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("parameters", "initial", "n_periods"),
     [

@@ -176,6 +176,7 @@ def test_impacts_that_hand_over_get_a_cure_that_applies():
     assert np.hypot(*run["end_state"].values) <= 1.0001e-4
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::nonsmooth.RunWarning")
 def test_switches_that_wind_themselves_onto_a_point_of_one_surface():
     """A fused focus: x = -+a at y = 0 lasts a turn of 4a or so, and shrinks by a part of a in it.

@@ -74,6 +74,7 @@ def forced_impacts(w, s, r, x, v, n):
     return times, speeds
 
 
+@pytest.mark.slow
 def test_forced_rigid_impacts():
     w, s, r, n = 2.8, 0.1, 0.8, 20
     system = System(

@@ -37,6 +37,7 @@ def run(engine):
     return subprocess.run(command, env=kept | own, cwd=engine, capture_output=True, text=True)
 
 
+@pytest.mark.slow
 def test_a_first_run_is_right_and_silent_and_writes_nothing(engine):
     files = set(engine.parents[1].rglob("*"))
     first = run(engine)

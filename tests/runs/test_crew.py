@@ -37,6 +37,7 @@ for k in range(1, 1500, 3):
 """
 
 
+@pytest.mark.slow
 def test_an_interruption_at_any_moment_ends_the_work():
     subprocess.run([sys.executable, "-c", INTERRUPTED], timeout=HANG, check=True)
 

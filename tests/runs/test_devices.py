@@ -65,6 +65,7 @@ def runs(**options):
     )  # fmt: skip
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("work", [regimes, basins, diagram, runs])
 @pytest.mark.parametrize("threads", [1, 2])
 def test_results_do_not_depend_on_where_motions_run(graphics, work, threads):
@@ -150,6 +151,7 @@ def test_no_cupy(monkeypatch):
         ns.use_device("gpu")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("work", [regimes, basins, runs])
 def test_a_store_is_finished_where_it_was_begun(graphics, tmp_path, monkeypatch, work):
     """Tasks are larger on a device, so the parts of one are not those of the other."""

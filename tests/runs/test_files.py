@@ -110,6 +110,7 @@ def equal(value, other):
     return np.array_equal(value, other) and isinstance(value, str) == isinstance(other, str)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("keep", FORMATS)
 def test_files_keep_everything(run, keep, tmp_path):
     with keep(run, tmp_path) as opened:
@@ -155,6 +156,7 @@ def mole():
     return ns.simulate(ns.models.moling(b=0.27), periods=20, samples_per_period=40)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("keep", FORMATS)
 @pytest.mark.parametrize("periods", [3, 7.3])
 def test_a_loaded_run_goes_on_bit_for_bit(keep, periods, tmp_path):
@@ -186,6 +188,7 @@ def test_a_loaded_run_refuses_what_the_run_refuses(keep, tmp_path):
     assert second.identical(ns.simulate(wall(), first, periods=1, parameters={"s": 0.2}))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("keep", FORMATS)
 def test_words_and_pictures_of_a_loaded_run(mole, keep, tmp_path):
     period = mole.attrs["period"]
@@ -258,6 +261,7 @@ print(json.dumps({
 """
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("keep", FORMATS)
 def test_files_need_only_xarray(keep, tmp_path):
     run = ns.simulate(wall(), {"v": 0.5}, periods=12)

@@ -61,6 +61,7 @@ def closed_form():
 # ---------------------------------------------------------------- phases
 
 
+@pytest.mark.slow
 def test_impacts_keep_their_phase_for_a_million_periods():
     phase, speed = closed_form()
     run = ns.simulate(wall(), periods=MANY, samples_per_period=1, events=False)

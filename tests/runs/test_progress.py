@@ -53,6 +53,7 @@ def told(monkeypatch):
     return found
 
 
+@pytest.mark.few(4)
 @pytest.mark.filterwarnings("ignore::nonsmooth.ResultWarning")
 @pytest.mark.parametrize("verb", LONG)
 def test_a_verb_that_may_take_long_says_so(verb, told):

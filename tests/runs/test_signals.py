@@ -34,6 +34,7 @@ def impact_oscillator(base, nonlinear=False, **words):
     )  # fmt: skip
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("nonlinear", [False, True], ids=["exact", "taylor"])
 @pytest.mark.parametrize("method", METHODS)
 def test_motion_and_impacts_against_forty_digits(method, nonlinear):

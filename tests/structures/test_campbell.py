@@ -180,6 +180,7 @@ def test_critical_speeds_do_not_depend_on_the_grid():
         assert value.imag == pytest.approx(speed, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sparse", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_shaft_of_404_coordinates(sparse):
     """As many as engineers have; the curves are those of one speed at a time, in any order."""

@@ -342,6 +342,7 @@ def test_x_and_y_exchanged_are_told(part):
         built(part)
 
 
+@pytest.mark.slow
 def test_names_in_their_order_are_not_told():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -407,6 +408,7 @@ def test_the_end_of_a_table_is_told_with_its_bearing():
         turning.with_parameters(Omega=-3.0)
 
 
+@pytest.mark.slow
 def test_labels_have_units():
     """All but ratios and amplitudes of natural modes; of angles and moments their own."""
     contacts = [

@@ -133,6 +133,7 @@ def test_an_impact_takes_all_coordinates_where_the_mass_matrix_is_full():
     assert abs(impulse[1]) < 1e-14  # nothing strikes b
 
 
+@pytest.mark.slow
 def test_a_ring_is_that_of_the_matrix_rotor():
     n = 4
     plane = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
@@ -157,6 +158,7 @@ def test_a_ring_is_that_of_the_matrix_rotor():
     assert abs(one["force"] - other["ring1_force"]).max() < 1e-8
 
 
+@pytest.mark.slow
 def test_a_ring_with_one_preload_rides_as_in_the_model():
     structure = ns.Structure(
         np.eye(2), np.eye(2), damping=0.25 * np.eye(2), coordinates=["1x", "1y"]

@@ -172,6 +172,7 @@ ROWS = np.linspace(0.0, 7.0, 300)
 ROUGH = 5.0 + np.random.default_rng(3).random((300, 2, 2))
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     "bearing",
     [
@@ -202,6 +203,7 @@ def test_texts_of_coefficients_are_the_coefficients(bearing):
             assert abs(values["c"] - right[which, i, j]) <= 2e-10 * size[which, i, j]
 
 
+@pytest.mark.slow
 def test_a_machine_with_long_tables_has_their_response():
     """Against the matrices of the full shaft, at speeds between the rows."""
     speeds = np.linspace(0.0, 700.0, 300)

@@ -67,6 +67,7 @@ def test_unbalances_add_up_and_nodes_may_be_named_by_their_coordinates():
     np.testing.assert_allclose(both, alone[0] + alone[1], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_unbalance_against_an_integration_in_time():
     """A gyroscopic rotor in bearings that depend on the speed, by DOP853 until it has settled.
 

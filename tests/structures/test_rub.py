@@ -68,6 +68,7 @@ def deviations(small, speed, z):
     )
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("speed", [335.0, 360.0, 385.0])
 def test_full_annular_rub_is_that_of_the_receptances(small, rubbing, speed):
     z = annular(small, speed)[-1]

@@ -123,6 +123,7 @@ def test_too_few_uncertain_pairs_give_no_exponent():
     assert _law(differ, (0.1, 0.01, 1e-3, 1e-4), 0.5)["exponent"] is None
 
 
+@pytest.mark.slow
 def test_pairs_count_every_basin():
     rows = exponents_of_pairs(1.7, starts=12, distances=(0.01, 0.001))
     assert [row["basin"] for row in rows] == [None, 3, 9, 0]

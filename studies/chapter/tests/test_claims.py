@@ -75,6 +75,7 @@ def test_groups_of_the_table_are_known():
     assert named <= set(LONGEST_FIRST)
 
 
+@pytest.mark.slow
 def test_rows_have_the_same_keys(rows):
     """Every row can be printed, and written as JSON without infinities."""
     for name, row in rows.items():
@@ -167,6 +168,7 @@ def test_a_count_of_touches_that_sees_none_tells_nothing(rows):
     assert _check("G2").judge(evidence | {"control": 0}).true is None
 
 
+@pytest.mark.slow
 def test_smoothing_makes_motions_of_its_own():
     """Two widths of one kind, of the eight that are judged; without such motions it does not."""
     check = _check("G3")

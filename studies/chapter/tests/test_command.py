@@ -163,6 +163,7 @@ def test_claims_as_json(call, chapter):
     assert set(first) == {*CLAIM, "id", "printed", "computed", "verdict"}
 
 
+@pytest.mark.slow
 def test_claims_by_name(call):
     """Two that take no time, as the package has them."""
     result = call("chapter", "claims", "F42", "F40", "--json")

@@ -68,6 +68,7 @@ def test_cycle_is_one_of_the_integrator_too(crack, period):
     assert far[-1] / far[period - 1] < 3.0 * row["multiplier"] ** 7
 
 
+@pytest.mark.slow
 def test_from_rest_to_period_five():
     y, orbit = np.zeros(2), []
     for _ in range(120):
@@ -79,6 +80,7 @@ def test_from_rest_to_period_five():
     assert np.abs(np.array(orbit[-10:-5]) - last).max() < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("crack", [14.5])
 def test_exponent_of_chaos(crack, periods=250):
     """The mean growth of a variation agrees with the package within errors of both."""

@@ -20,6 +20,7 @@ def truth(a, b, settle, period):
     return hits / period, late.sum() / period, change[3] / period, np.abs(change[:3]).max()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("b", "impacts"), [(0.15, 1), (0.187, 2), (0.203, 3)])
 def test_the_mole_hits_without_a_reset(b, impacts):
     hits, events, drift, _ = truth(0.3, b, 20, 1)

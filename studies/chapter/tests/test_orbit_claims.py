@@ -66,6 +66,7 @@ def test_parts_of_a_branch():
     assert best_stable(branch.isel(point=~observed(branch))) == -1
 
 
+@pytest.mark.slow
 def test_cascade_is_supercritical():
     """Doubled orbits are stable below each flip; the coefficient comes from motions alone."""
     evidence = _check("M14").compute()

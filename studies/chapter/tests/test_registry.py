@@ -63,6 +63,7 @@ LABELLED = {
 SLOW = {*SHOWN, "fig25", "fig31", "fig38"}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in figure_ids()]
 )
@@ -88,6 +89,7 @@ def test_figure_writes_picture_and_data(name, tmp_path):
         )  # rows of two lengths
 
 
+@pytest.mark.slow
 def test_diagrams_on_a_small_grid(tmp_path):
     """Fig. 8: six panels with dots that become images in a PDF, and data that tell the protocol."""
     figure, data = fig8(columns=15, transient=300, record=40)
@@ -119,6 +121,7 @@ def test_panels_hold_the_printed_forces(tmp_path):
         assert set(data["status"].values) == {"completed"}
 
 
+@pytest.mark.slow
 def test_phases_are_those_of_the_chapter(tmp_path):
     """One period: progression, contact, flight, contact, and back to where it began."""
     run_figures(["phases"], tmp_path)
@@ -149,6 +152,7 @@ def test_failed_write_leaves_the_old_file(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.slow
 def test_demo(tmp_path, capsys):
     """A table, three figures, and a line for each file."""
     run_demo(tmp_path)

@@ -40,6 +40,7 @@ def drawn(tmp_path_factory):
     return folder, run_items(groups, folder, processes=1, label="stubs")
 
 
+@pytest.mark.slow
 def test_figures_and_claims_are_written(drawn):
     """Pictures for screen and print, data, and an entry for each; nothing half-written."""
     folder, outcome = drawn
@@ -56,6 +57,7 @@ def test_figures_and_claims_are_written(drawn):
     assert outcome.of("M03")["row"]["verdict"] == "holds"
 
 
+@pytest.mark.slow
 def test_what_is_whole_is_kept_and_what_is_not_is_computed(drawn):
     """Missing and changed files, a damaged entry, another code or other options."""
     folder, _ = drawn
@@ -160,6 +162,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 """
 
 
+@pytest.mark.slow
 @posix
 def test_interruption_keeps_what_is_done(tmp_path):
     """Ctrl-C: code 130, the figures that are done, no half-written file, no bar in a pipe."""

@@ -132,6 +132,7 @@ def test_drilling_on_a_small_grid():
     assert judged("M01", evidence) == DIFFERS
 
 
+@pytest.mark.slow
 def test_frequencies_on_a_small_grid():
     evidence, found = computed(
         "M57", amplitudes=(0.3,), columns=9, protocols=("restart",), damping=(0.01,)

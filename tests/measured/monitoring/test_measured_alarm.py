@@ -61,6 +61,7 @@ def true_rate_of_records(found, healthy, between):
     return ndtr((-values.mean() - reach) / width) + ndtr((values.mean() - reach) / width)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("count", "between"), [(8, 0.0), (20, 0.5), (20, 1.0)])
 def test_the_interval_holds_for_further_records_that_differ(count, between):
     rng, repeats, inside, rates, worth = np.random.default_rng(3), 150, 0, [], []

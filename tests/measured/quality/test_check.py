@@ -346,6 +346,7 @@ def test_one_peak_that_is_clipped(depth, noise, sign):
     assert set(truth[2:-2]) <= set(told) <= set(range(truth[0] - 2, truth[-1] + 3))
 
 
+@pytest.mark.slow
 def test_records_that_are_not_clipped_give_no_more_alarms_than_stated():
     """The test of a channel has a rate of 2e-4: one alarm in 120 records has a chance of 2.4 %."""
     alarms = 0

@@ -71,6 +71,7 @@ def form_value(form, values):
     return float(total), float(size)
 
 
+@pytest.mark.slow
 @given(affine, st.floats(-10, 10), st.floats(-10, 10), st.floats(0, 10))
 def test_a_form_has_the_value_of_its_text(text, x, v, t):
     # Rounding: some tens of operations, each 1.1e-16 of the terms that it adds; the angle
@@ -216,6 +217,7 @@ def test_definitions_that_double_are_bounded():
     assert form_value(form, values)[0] == pytest.approx(PARAMETERS["a"] * 2**15, rel=7e-12)
 
 
+@pytest.mark.slow
 def test_products_of_many_harmonics_are_not_written_out():
     # a text of 200 characters must not make 2^14 harmonics; 60 coordinates are what a run takes
     with calls_at_most(10_000_000):  # 2.4 million for 256 terms; 2^14 would take 64 times as many
@@ -224,6 +226,7 @@ def test_products_of_many_harmonics_are_not_written_out():
     assert len(system.structure.frequencies) == 14
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "frequency",
     [

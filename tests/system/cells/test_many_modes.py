@@ -41,6 +41,7 @@ def test_a_staircase_of_two_hundred_modes(tmp_path):
         assert ns.phase_word(again) == ns.phase_word(run)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("k", [7, 8])
 def test_cells_of_independent_switches(k):
     """x' = -2 x above zero and -x below: 2**k cells, of which each motion keeps one."""

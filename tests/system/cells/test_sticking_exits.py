@@ -84,6 +84,7 @@ def masses(count):
     return System(states=[*xs, *vs], modes={"m": Mode(flow, exits=exits)})
 
 
+@pytest.mark.slow
 def test_every_set_of_contacts_is_a_mode():
     assert masses(1).mode_names == ("m", "rx0")
     assert masses(2).mode_names == ("m", "rx0", "rx1", "rx0+rx1")

@@ -107,6 +107,7 @@ def test_every_system_is_explained(system):
     assert sum(line.startswith("mode ") for line in lines) == 2
 
 
+@pytest.mark.slow
 @given(systems())
 def test_line_ends_of_other_systems_mean_the_same(system):
     text = system.to_toml()

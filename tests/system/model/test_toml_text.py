@@ -163,6 +163,7 @@ UNUSUAL = {
 }
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", UNUSUAL)
 def test_the_work_on_any_text_is_in_proportion_to_its_length(name):
     # up to 5 calls for a character; a pass over all of them for each would be 1e10
