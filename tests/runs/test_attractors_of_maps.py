@@ -93,7 +93,7 @@ def rests_by_scipy(u: float, start: list[float]) -> bool:
     return bool(np.allclose(np.abs(end), [0.6 * u**2 * a, a, 0.0, 0.0], rtol=0.0, atol=1e-6))
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("u", [1.3, 1.4, 1.5])
 @pytest.mark.filterwarnings("ignore::nonsmooth.ResultWarning")
 def test_a_rest_on_the_section_crosses_it_by_rounding_alone(u):
