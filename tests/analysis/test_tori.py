@@ -306,8 +306,8 @@ def test_growth_needs_to_leave_what_was_seen():
 
 def test_bursts_and_beats_that_were_seen_before():
     quiet, burst = 0.01 * np.sin(np.arange(500.0))[:, None], np.sin(np.arange(500.0))[:, None]
-    assert run_away(quiet, burst, UNSEEN)
-    assert not run_away(quiet, burst, (np.array([-1.1]), np.array([1.1])))
+    assert run_away(quiet, burst, UNSEEN, np.zeros(1))
+    assert not run_away(quiet, burst, (np.array([-1.1]), np.array([1.1])), np.zeros(1))
     assert "x travels" in travels(quiet, 2.0 + quiet, ("x",), UNSEEN)
     assert travels(quiet, 2.0 + quiet, ("x",), (np.array([-3.0]), np.array([3.0]))) == ""
 

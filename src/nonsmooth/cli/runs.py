@@ -245,6 +245,8 @@ _CLOCK = ("phase", "period_number")
 
 def strobe(task: Task) -> None:
     """``nonsmooth strobe``."""
+    from nonsmooth.analysis.diagrams.strobe_periods import period_of_points
+
     system = task.system
     shown = pair(system, task["draw"], "--draw", "time")
     points = _strobes(task)
@@ -253,7 +255,7 @@ def strobe(task: Task) -> None:
     _add_points(report, points, count)
     if count:
         _add_times(report, points)
-        repeats = _repeats(system, points)
+        repeats = period_of_points(points, _MATCH)
         text = f"after {repeats} points" if repeats else "not within these points"
         report.add("repeats", text, repeats=repeats or None)
         _add_point(report, "last point", points, system.states, -1)
@@ -301,17 +303,6 @@ def _finish_points(task: Task, points: xr.Dataset, report: Report, shown: tuple[
         click.echo(f"nonsmooth: there are no points{drawn}; the status says why", err=True)
         code = code or ENDED_EARLY
     task.finish(points, report, code=code)
-
-
-def _repeats(system: System, points: xr.Dataset) -> int:
-    """After how many points the motion repeats, drifts apart."""
-    import numpy as np
-
-    from nonsmooth.analysis.statistics.periodicity import settled_periods
-
-    states = np.column_stack([points[name].values for name in system.states])
-    drifting = np.array([name in system.drift_states for name in system.states])
-    return int(settled_periods(states[None], drifting, _MATCH)[0])
 
 
 def lyapunov(task: Task) -> None:

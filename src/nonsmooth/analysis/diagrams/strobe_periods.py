@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import threading
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.exponents.interval_tangents import IntervalTangents
 from nonsmooth.analysis.passed_events import PassedEvents
-from nonsmooth.analysis.settle import Group
+from nonsmooth.analysis.settle import Group, ParameterSets, settle
 from nonsmooth.analysis.statistics.periodicity import REPEATS, scales, settled_periods
-from nonsmooth.analysis.statistics.rest import comes_to_rest, natural_sizes
+from nonsmooth.analysis.statistics.rest import comes_to_rest, floor_of, natural_sizes
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.outputs import StateRates
-from nonsmooth.runs.sweep_runner import Recorded
+from nonsmooth.runs.stroboscopic_map import StroboscopicMap
+from nonsmooth.runs.sweep_runner import Recorded, SweepRunner
+from nonsmooth.system.system import System
 
-__all__ = ["said_of_restless", "strobe_periods"]
+if TYPE_CHECKING:
+    import xarray as xr
 
-_MAYBE_ROUNDING = 1e-9  # size of all states from which their rates are looked at
+__all__ = ["period_of_points", "said_of_restless", "strobe_periods"]
+
 _STEPS = 16  # of a window, from one place where rates are looked at to the next
 
 Bools = npt.NDArray[np.bool_]
@@ -30,15 +36,58 @@ Integers = npt.NDArray[np.int64]
 def strobe_periods(
     group: Group, recorded: Recorded, passed: PassedEvents, match: float
 ) -> Integers:
-    """Period of each of K motions in strobes, (K,); 0 where none shows or a motion ended early."""
-    done = recorded.statuses == Status.COMPLETED
-    period = np.zeros(group.count, np.int64)
-    scale = scales(recorded.states, group.drifting)
-    for i in np.flatnonzero(done).tolist():
-        scale[i] = _passing_zero(group, recorded, i, scale[i], match)
-    period[done] = settled_periods(recorded.states[done], group.drifting, match, scale[done])
-    period[_resting(group, recorded, passed, match, done & (period != 1))] = 1
+    """Period of each of K motions in strobes, (K,); 0 where none shows or a motion ended early.
+
+    Strobes that repeat at once beside the sizes that they have themselves do so beside any others.
+    Of the other motions some states may rest, or pass through zero, and leave rounding there: they
+    count beside their natural sizes.
+    """
+    done, drifting = recorded.statuses == Status.COMPLETED, group.drifting
+    period, states = np.zeros(group.count, np.int64), recorded.states
+    scale = scales(states, drifting)
+    period[done] = settled_periods(states[done], drifting, match, scale[done])
+    open_yet = done & (period != 1)
+    if not np.any(open_yet):
+        return period
+    natural = _natural(group, recorded, passed, open_yet)
+    floor = np.where(drifting, 0.0, floor_of(natural, match))
+    which = np.flatnonzero(open_yet & np.any(scale < floor, axis=1))
+    scale = np.maximum(scale, floor)
+    period[which] = settled_periods(states[which], drifting, match, scale[which], natural[which])
+    period[_resting(group, recorded, passed, match, done & (period != 1), natural)] = 1
     return period
+
+
+def period_of_points(points: xr.Dataset, match: float) -> int:
+    """Period that the points of `stroboscopic_map` show, in points, or 0.
+
+    The motion runs through them once more, for natural sizes of its states; of systems in which
+    something never repeats there are none, and states count beside the sizes that they have.
+    """
+    attrs, count = points.attrs, points.sizes["point"]
+    system = System.from_toml(attrs["system"])
+    states = np.column_stack([points[name].values for name in system.states])
+    if system.slow or system.signals:
+        drifting = np.isin(system.states, system.drift_states)
+        return int(settled_periods(states[None], drifting, match)[0])
+    length, phase = float(attrs["strobe_period"]), float(attrs["phase_of_period"])
+    own = length == system.period_value
+    chosen = StroboscopicMap(system, phase=phase, period=None if own else length)
+    (period,), _ = settle(
+        SweepRunner(system, float(attrs["tolerance"])),
+        threading.Event(),
+        sets=ParameterSets(chosen, {}, points.isel(point=0), None),
+        times=lambda group: group.strobes(0, count),
+        reduce=partial(_periods_of, states, match),
+    )
+    return int(period)
+
+
+def _periods_of(states: Floats, match: float, group: Group, recorded: Recorded) -> list[int]:
+    """Period of a motion from its states (K, n) as they were: strobes at events have two sides."""
+    recorded = recorded._replace(states=states[None])
+    passed = PassedEvents(group.system, recorded)
+    return strobe_periods(group, group.fold(recorded), passed, match).tolist()
 
 
 def said_of_restless(
@@ -52,53 +101,64 @@ def said_of_restless(
     )
 
 
+def _natural(group: Group, recorded: Recorded, passed: PassedEvents, chosen: Bools) -> Floats:
+    """Natural sizes of the states of some motions, (K, n): of drifts, those that they have."""
+    still = ~group.drifting
+    sizes = np.maximum(np.abs(recorded.states).max(axis=1), _begun(group, recorded))
+    np.maximum.at(sizes, passed.motion, np.abs(recorded.event_states).max(axis=1))
+    for i in np.flatnonzero(chosen).tolist():
+        sizes[i] = _passing_zero(group, recorded, i, sizes[i])
+    blocks_over = partial(IntervalTangents(group).over_part, recorded.last)
+    sizes[:, still] = natural_sizes(sizes[:, still], chosen, blocks_over)
+    return sizes
+
+
 def _resting(
-    group: Group, recorded: Recorded, passed: PassedEvents, match: float, open_yet: Bools
+    group: Group,
+    recorded: Recorded,
+    passed: PassedEvents,
+    match: float,
+    open_yet: Bools,
+    natural: Floats,
 ) -> Bools:
     """Which of some motions have died away, or without forcing come to rest, (K,).
 
     What decays to zero repeats to no part of its own size, and rounding has other periods.
+
+    natural: (K, n)
     """
     still, found = ~group.drifting, np.zeros(open_yet.size, bool)
     if not np.any(open_yet) or not np.any(still):
         return found
     driven = group.runner.is_driven
-    states, tangents = recorded.states[..., still], IntervalTangents(group)
-    begun = _begun(group, recorded)[:, still]
+    states, natural, begun = recorded.states[..., still], natural[:, still], _begun(group, recorded)
     ranges, largest = np.ptp(states, axis=1), np.abs(states).max(axis=1)
-    sizes, left = np.maximum(largest, begun), largest if driven else ranges
+    left = largest if driven else ranges
     first = np.full(open_yet.size, -recorded.states.shape[1])
     events, _ = passed.counts(passed.between(first))
-    # states that began with a size say whether it may be so, their rates afterwards
-    faded = np.any(begun > 0.0, axis=1) & np.all(
-        (left <= match**2 * sizes) | (begun == 0.0), axis=1
-    )
-    maybe = faded | (np.any(ranges <= match * sizes, axis=1) & (not driven))
-    for i in np.flatnonzero(open_yet & maybe).tolist():
-        block_over = partial(tangents.over_part, i, recorded.last)
-        natural = natural_sizes(sizes[i], block_over)
-        found[i] = faded[i] and bool(np.all(left[i] <= match**2 * natural))
-        if not driven and not found[i]:
-            found[i] = comes_to_rest(
-                states[i], ranges[i], natural, block_over(1.0), match, passes=events[i] > 0
-            )
+    found = np.any(begun[:, still] > 0.0, axis=1) & np.all(left <= match**2 * natural, axis=1)
+    found &= open_yet
+    if driven:
+        return found
+    maybe = open_yet & ~found & np.all(ranges <= match * natural, axis=1)
+    known, blocks = IntervalTangents(group).over_part(recorded.last, 1.0, maybe)
+    for i in np.flatnonzero(maybe).tolist():
+        block = blocks[i] if known[i] else None
+        found[i] = comes_to_rest(
+            states[i], ranges[i], natural[i], block, match, passes=events[i] > 0
+        )
     return found
 
 
-def _passing_zero(group: Group, recorded: Recorded, i: int, scale: Floats, match: float) -> Floats:
-    """Scales of the states of a motion; of one that is zero at the strobes, what it moves by.
+def _passing_zero(group: Group, recorded: Recorded, i: int, sizes: Floats) -> Floats:
+    """Sizes of the states of a motion; of one that is zero at the strobes, what it moves by.
 
     Such a state passes through zero there, as a base does that shakes as the sine of the phase:
     what is recorded of it is rounding, which repeats to no part of its own size. All states may do
     so, as those of a follower that rides on its cam, and rates may vanish there as well.
     """
-    states = np.abs(recorded.states[i]).max(axis=0)
-    largest = states.max(initial=0.0)
-    tiny = ~group.drifting & ((states <= match**2 * largest) | (largest <= _MAYBE_ROUNDING))
-    if not np.any(tiny):
-        return scale
     moved = _moved(group, recorded, i)
-    return np.where(tiny & (states <= match**2 * moved), moved, scale)
+    return np.where(group.drifting, sizes, np.maximum(sizes, moved))
 
 
 def _moved(group: Group, recorded: Recorded, i: int) -> Floats:

@@ -14,6 +14,7 @@ from functools import partial
 
 import numpy as np
 
+from nonsmooth.analysis.diagrams.strobe_periods import strobe_periods
 from nonsmooth.analysis.exponents.exponent_run import (
     LEAST_GROWTH,
     ExponentProtocol,
@@ -23,9 +24,9 @@ from nonsmooth.analysis.exponents.exponent_run import (
     largest_exponent,
     rates_of,
 )
+from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group, ParameterSets, settle
 from nonsmooth.analysis.statistics.block_averages import means_differ
-from nonsmooth.analysis.statistics.periodicity import settled_periods
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant
@@ -139,12 +140,13 @@ def _run_on(
 
 def _later(confirm: int, group: Group, recorded: Recorded) -> list[_Later]:
     """What a motion has become after so many strobes."""
-    status, states, drifting = Status(int(recorded.statuses[0])), recorded.states[0], group.drifting
+    status, states = Status(int(recorded.statuses[0])), recorded.states[0]
     if group.is_misfit[0]:
         return [_Later()]  # rounding has taken the state at the end out of its mode
     if status != Status.COMPLETED:
         return [_Later(f"the motion ends later ({status.word}): {_TRANSIENT}")]
-    period = int(settled_periods(states[None], drifting, _MATCH)[0])
+    passed = PassedEvents(group.system, recorded)
+    period = int(strobe_periods(group, recorded, passed, _MATCH)[0])
     if period:
         said = f"{confirm} strobes later the motion repeats with period {period}: {_TRANSIENT}"
         return [_Later(f"{said}; raise transient=")]

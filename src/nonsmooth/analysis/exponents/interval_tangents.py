@@ -39,14 +39,13 @@ class IntervalTangents:
         # whether an interval is a window of the clock, so that whole ones need no rounding
         self._in_windows = np.array([period is None for period in group.periods])
 
-    def over_part(self, i: int, strobes: SweepStarts, part: float) -> Floats | None:
-        """Derivatives over a part of the interval after the strobe of motion i, but for drifts.
+    def over_part(self, strobes: SweepStarts, part: float, chosen: Bools) -> tuple[Bools, Floats]:
+        """Derivatives over a part of the interval after a strobe, but for drifts; where known.
 
-        None where they are not known.
+        shapes: chosen (K,); returns (K,) and (K, k, k)
         """
         ends = self._after(strobes, np.full(self._group.count, part))
-        known, blocks = orbit_maps(self.neighbours(strobes, ends, self._only(i)))
-        return blocks[i] if known[i] else None
+        return orbit_maps(self.neighbours(strobes, ends, chosen))
 
     def over_periods(self, chosen: Bools, strobes: SweepStarts, periods: Integers) -> PeriodMaps:
         """Derivatives of the chosen motions over so many intervals, (K,) each.
@@ -77,9 +76,6 @@ class IntervalTangents:
         """Points of motions that run on for so many intervals behind a strobe."""
         times = self._after(strobes, np.full(self._group.count, intervals))
         return self._group.run(times, chosen=chosen, log=False).last
-
-    def _only(self, i: int) -> Bools:
-        return np.arange(self._group.count) == i
 
     def _after(self, begins: SweepStarts, intervals: Floats | Integers) -> Times:
         """Instants some strobe intervals later, (K, 1); of whole periods without rounding."""

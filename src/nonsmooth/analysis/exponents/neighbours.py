@@ -64,12 +64,13 @@ def orbit_maps(given: Neighbours) -> tuple[Bools, Floats]:
     Nothing depends on a drifting state, so the others stand in the block without it.
 
     returns: where they are known (K,), as neither at a graze nor for a start that no mode takes;
-    blocks (K, k, k)
+    blocks (K, k, k), with one state each in their rows
     """
     last = given.times.at(slice(-1, None))
     flow = SweepTangents(given.runner, given.starts, given.chosen, given.stop, last)
     still = ~given.drifting
-    blocks = flow.samples[:, 0][:, still][:, :, still].copy()
+    # what is recorded has the derivatives by one state each in its rows
+    blocks = flow.samples[:, 0][:, still][:, :, still].swapaxes(1, 2).copy()
     known = given.chosen & flow.goes_on & np.all(np.isfinite(blocks), axis=(1, 2))
     return known, blocks
 

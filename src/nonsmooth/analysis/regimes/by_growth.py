@@ -93,7 +93,7 @@ class Evidence:
     names: tuple[str, ...]  # of the states
     drifting: Bools  # (n,)
     angles: Bools  # (n,), which come round without being turned back
-    sizes: Floats  # (M, n) since the start
+    sizes: Floats  # (M, n): natural ones, see `natural_sizes`
     autonomous: bool
     hides_phase: Bools  # (M,): whether strobes see a forcing at different phases
     match: float
@@ -140,25 +140,43 @@ class Evidence:
         return earlier, later
 
     @cached_property
+    def floor(self) -> Floats:
+        """Spread of each state below which it rests, (M, n)."""
+        return rest_floor(self.looks, self.sizes, self.match)
+
+    @cached_property
+    def moving(self) -> Bools:
+        """Which states move, (M, n), drifts left out; all others where none of them does.
+
+        Those that rest leave rounding, which must not be taken for what a motion does.
+        """
+        moving = (np.ptp(self.looks, axis=1) > self.floor) & ~self.drifting
+        return np.where(np.any(moving, axis=1, keepdims=True), moving, ~self.drifting)
+
+    def names_of(self, i: int) -> tuple[str, ...]:
+        """Names of the states of motion i that move."""
+        return tuple(np.array(self.names)[self.moving[i]].tolist())
+
+    @cached_property
     def run_away(self) -> list[bool]:
         """Whether each motion grows without bound."""
         still = ~self.drifting
         before = self.history.low[:, still], self.history.high[:, still]
-        return run_away(*self.windows, before).tolist()
+        return run_away(*self.windows, before, self.floor[:, still]).tolist()
 
     @cached_property
     def shrink(self) -> list[bool]:
         """Whether each motion dies away, and has not grown since the window before: no beat."""
         still = ~self.drifting
-        floor = rest_floor(self.looks[..., still], self.sizes[:, still], self.match)
-        first = np.ptp(self.windows[0], axis=-2)
-        grew = np.any(first > (1.0 + APART) * self.history.spread[:, still], axis=-1)
+        floor, first = self.floor[:, still], np.ptp(self.windows[0], axis=-2)
+        spread = np.maximum(self.history.spread[:, still], floor)
+        grew = np.any(first > (1.0 + APART) * spread, axis=-1)
         return (shrinks(*self.windows, floor) & ~grew).tolist()
 
     def seen_before(self, i: int) -> tuple[Floats, Floats]:
-        """Least and largest values of the states of motion i without drift in earlier looks."""
-        still = ~self.drifting
-        return self.history.low[i, still], self.history.high[i, still]
+        """Least and largest values of the states of motion i that move, in earlier looks."""
+        moving = self.moving[i]
+        return self.history.low[i, moving], self.history.high[i, moving]
 
 
 def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) -> Verdict:
@@ -168,7 +186,7 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
         part[i] for part in found.exponents
     )
     rates, errors = (first, second), (first_error, second_error)
-    series = _series(found.strobes[i], found.drifting)
+    series = _series(found.strobes[i], found.moving[i])
     unasked = protocol.is_survey or found.autonomous  # a cycle turns as well between strobes
     curves = None if unasked else closed_curves(series)
     turns, attracting = isinstance(curves, ClosedCurves), found.attracting(i)
@@ -191,7 +209,9 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
         factor = float(np.exp(exponent * length))
     if why:
         if why.endswith(_SETTLES):
-            factor = _shrinking_factor(found.looks[i], found.drifting) if factor is None else factor
+            factor = (
+                _shrinking_factor(found.looks[i], found.moving[i]) if factor is None else factor
+            )
             why += _follow_further(factor, seen, found, i, protocol)
         said = f"strobes do not repeat, and {why}"
         return replace(seen, label=labels.UNSETTLED, reason=said, exponent=rate, error=error)
@@ -216,7 +236,7 @@ def _moved(
     former, ago = found.history.former[i], float(found.history.ago[i])
     if former is None:
         return "", None
-    now, before = (_series(each, found.drifting) for each in (found.strobes[i], former))
+    now, before = (_series(each, found.moving[i]) for each in (found.strobes[i], former))
     if isinstance(curves, ClosedCurves):
         if curves.meets(before) < _SAME:
             return _long_period(protocol), None
@@ -227,9 +247,9 @@ def _moved(
         why = "the closed curve on which strobes lie shrinks"
     else:
         why = SHRINKING
-    still, floor = ~found.drifting, np.zeros(now.shape[1])
-    if np.any(still):
-        floor = rest_floor(found.strobes[i][:, still], found.sizes[i, still], found.match)
+    moving, floor = found.moving[i], np.zeros(now.shape[1])
+    if np.any(moving):
+        floor = rest_floor(found.strobes[i][:, moving], found.sizes[i, moving], found.match)
     moves = shrunk(before, now, floor)
     if moves is not None:
         ratio = float((np.ptp(now, axis=0)[moves] / np.ptp(before, axis=0)[moves]).max())
@@ -311,7 +331,7 @@ def _follow_further(
     doubling of it lies between that time and twice as much.
     """
     looks, sizes = found.looks[i], found.sizes[i]
-    moving = ~found.drifting & (sizes > 0.0)
+    moving = found.moving[i] & (sizes > 0.0)
     spread = np.ptp(looks[len(looks) // 2 :, moving], axis=0)
     left = float((spread / sizes[moving]).max(initial=0.0))
     if not found.autonomous:
@@ -327,13 +347,13 @@ def _follow_further(
     )
 
 
-def _shrinking_factor(looks: Floats, drifting: Bools) -> float:
+def _shrinking_factor(looks: Floats, moving: Bools) -> float:
     """Part of the spread of the states that is left after each period, of the slowest state.
 
     Neighbours tell it less well, as they come closer and part in turn while they do so.
     """
     before, now = (np.ptp(part, axis=0) for part in np.array_split(looks, 2))
-    moves = ~drifting & (before > 0.0) & (now > 0.0)
+    moves = moving & (before > 0.0) & (now > 0.0)
     ratio = float((now[moves] / before[moves]).max(initial=0.0))
     return ratio ** (2.0 / len(looks))
 
@@ -347,34 +367,30 @@ def _long_period(protocol: RegimeProtocol) -> str:
 
 def _unbounded(label: str, seen: Verdict, found: Evidence, i: int, *, turns: bool) -> str:
     """Why two windows of states contradict the label of motion i, "" where they do not."""
-    earlier, later = found.windows[0][i], found.windows[1][i]
+    moving = found.moving[i]
+    earlier, later = np.array_split(found.looks[i][:, moving], 2)
     if earlier.shape[1] == 0 or (turns and label == labels.QUASI_PERIODIC):
         return ""  # nothing to compare, or a closed curve, which is bounded and does not shrink
     if label == labels.CHAOTIC:
         return "the motion grows tenfold from window to window" if found.run_away[i] else ""
-    names = tuple(
-        name for name, drifts in zip(found.names, found.drifting, strict=True) if not drifts
-    )
+    names, sizes, before = found.names_of(i), found.sizes[i, moving], found.seen_before(i)
     if not found.autonomous:
-        still = ~found.drifting
-        why = grows(found.strobes[i][:, still], names, found.sizes[i, still], found.seen_before(i))
+        why = grows(found.strobes[i][:, moving], names, sizes, before)
         if why:
             return why
     if label == labels.LIMIT_CYCLE:
         turns = seen.events > 0 or bool(np.any(found.angles))
-        sizes = found.sizes[i, ~found.drifting]
         why = no_closed_orbit(earlier, later, names, sizes, turns, found.match)
     else:
         torus = label == labels.QUASI_PERIODIC and found.autonomous
-        why = travels(earlier, later, names, found.seen_before(i)) if torus else ""
+        why = travels(earlier, later, names, before) if torus else ""
         why = why or (SHRINKING if found.shrink[i] else "")
     return f"{why}: {_SETTLES}" if why == SHRINKING else why
 
 
-def _series(strobes: Floats, drifting: Bools) -> Floats:
-    """Numbers for the 0-1 test: the states without drift, or else the steps of drifts."""
-    moving = strobes[1:, ~drifting]
-    return moving if moving.shape[1] else np.diff(strobes, axis=0)
+def _series(strobes: Floats, moving: Bools) -> Floats:
+    """Numbers for the 0-1 test: the states that move, or else the steps of drifts."""
+    return strobes[1:, moving] if np.any(moving) else np.diff(strobes, axis=0)
 
 
 def _mean_rates(growth: Floats, lengths: Floats) -> list[_Rates]:

@@ -96,7 +96,8 @@ class _Motions:
             [nothing if start is None else start.state for start in group.starts]
         )
         self.first_states = self.first_states - whole_turns(self.first_states, group.angle_periods)
-        self.sizes = np.abs(self.first_states)  # (M, n) of the states since the start
+        # (M, n) of the states since the start; one that is left out begins at rest
+        self.sizes = np.nan_to_num(np.abs(self.first_states))
         self.natural = self.sizes.copy()  # (M, n): see `natural_sizes`
         self.reached = np.zeros(group.count, np.int64)  # strobes passed
         # (M, 2): strobes at which the windows of evidence of the last look begin
@@ -134,7 +135,8 @@ class _Motions:
         closing = same & (now == 0) & ~is_last
         with np.errstate(invalid="ignore"):
             closer = rest_now < _CLOSING * rest_before
-        closing &= closer | (windows.shrink(self.drifting) & self.autonomous)
+        shrink = windows.shrink(self.drifting, self.natural, self.protocol.match)
+        closing &= closer | (shrink & self.autonomous)
         for i in np.flatnonzero(closing).tolist():
             self.verdicts[i] = seen[i].unsettled(
                 "strobes come closer to each other from window to window"
@@ -186,10 +188,14 @@ class _Motions:
         if not np.any(alive):
             return None, alive
         self.reached[alive] = first[alive] + 2 * record
-        largest = np.abs(recorded.states[alive]).max(axis=1)
+        windows, still = Windows.of(group, recorded), ~self.drifting
+        largest = np.maximum(np.abs(windows.low), np.abs(windows.high))[alive]
         self.sizes[alive] = np.maximum(self.sizes[alive], largest)
         self.natural[alive] = self.sizes[alive]
-        return Windows.of(group, recorded), alive
+        blocks_over = partial(self._tangents.over_part, windows.last)
+        found = natural_sizes(self.sizes[:, still], alive, blocks_over)
+        self.natural[np.ix_(alive, still)] = found[alive]
+        return windows, alive
 
     def _still_going(self, chosen: Bools, first: Integers) -> Bools:
         """Which of the chosen motions have not ended; the others get their verdicts."""
@@ -206,16 +212,17 @@ class _Motions:
         mode to mode.
         """
         still, match = ~self.drifting, self.protocol.match
-        resting = alive & windows.sunk(self.drifting, self.sizes, match, driven=not self.autonomous)
+        driven = not self.autonomous
+        resting = alive & windows.sunk(self.drifting, self.natural, match, driven=driven)
         resting &= self.autonomous or bool(np.all(still))  # a drift may be what is driven
         if not self.autonomous or not np.any(still):
             return resting
-        small = (windows.ranges <= match * self.sizes) & still
-        for i in np.flatnonzero(alive & ~resting & np.any(small, axis=1)).tolist():
-            block_over = partial(self._tangents.over_part, i, windows.last)
-            block, natural = block_over(1.0), natural_sizes(self.sizes[i, still], block_over)
-            self.natural[i, still] = natural
-            points, ranges = windows.points[i][:, still], windows.ranges[i, still]
+        small = np.all((windows.ranges <= match * self.natural) | self.drifting, axis=1)
+        maybe = alive & ~resting & small
+        known, blocks = self._tangents.over_part(windows.last, 1.0, maybe)
+        for i in np.flatnonzero(maybe).tolist():
+            points, natural = windows.points[i][:, still], self.natural[i, still]
+            ranges, block = windows.ranges[i, still], blocks[i] if known[i] else None
             passes = bool(windows.passes[i])
             resting[i] = comes_to_rest(points, ranges, natural, block, match, passes=passes)
         return resting
@@ -228,7 +235,7 @@ class _Motions:
         periods, residuals = np.zeros((alive.size, 2), np.int64), np.full((alive.size, 2), np.nan)
         which = np.flatnonzero(alive)
         periods[which], residuals[which] = windows.returns(
-            which, self.drifting, self.sizes[which], self.protocol.match
+            which, self.drifting, self.natural[which], self.protocol.match
         )
         periods[resting] = 1
         return periods, residuals
@@ -238,7 +245,7 @@ class _Motions:
         found = np.zeros(repeats.size, bool)
         which = np.flatnonzero(repeats)
         found[which] = windows.on_the_way(
-            which, self.drifting, self.sizes[which], self.protocol.match
+            which, self.drifting, self.natural[which], self.protocol.match
         )
         return found
 
@@ -311,7 +318,7 @@ class _Motions:
         steady = np.zeros(chosen.size, bool)
         for i in np.flatnonzero(maps.known).tolist():
             steady[i] = periods[i] == 1 and seen[i].events == 0
-            steady[i] &= windows.rests(i, self.drifting, self.sizes[i], match)
+            steady[i] &= windows.rests(i, self.drifting, self.natural[i], match)
         # along a motion in which drifts alone change no other direction is neutral
         multipliers = self._multipliers(maps, self.autonomous & ~steady)
         forgetful = self._forgetful(maps, multipliers)
@@ -415,8 +422,7 @@ class _Motions:
         """Why a motion whose strobes hardly differ has a way to go, "" where it has none."""
         still, match = ~self.drifting, self.protocol.match
         away = way_left(windows.points[i, -2:][:, still], block)[0]
-        block_over = partial(self._tangents.over_part, i, windows.last)
-        far = away > match * natural_sizes(self.sizes[i, still], block_over)
+        far = away > match * self.natural[i, still]
         if not np.any(far):
             return ""
         states = np.array(self.system.states)[still]
@@ -448,7 +454,7 @@ class _Motions:
                 self.verdicts[i] = seen[i].named(labels.label_of_end(status, group.system), why)
         known = np.flatnonzero(going & found.has_mode & (found.statuses == Status.COMPLETED))
         evidence = Evidence.of(
-            group, known, found.growth[known], states[known, turn - 1 :], self.sizes[known],
+            group, known, found.growth[known], states[known, turn - 1 :], self.natural[known],
             self._history(), self.protocol.match,
         )  # fmt: skip
         for k, i in enumerate(known.tolist()):

@@ -23,7 +23,7 @@ from scipy.spatial import KDTree
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.periodicity import nearest_returns, scales, settled_periods
-from nonsmooth.analysis.statistics.rest import halves
+from nonsmooth.analysis.statistics.rest import floor_of, halves
 from nonsmooth.analysis.zero_one_test import correlations_of
 from nonsmooth.runs.sweep_runner import Recorded, SweepStarts, Times
 
@@ -163,17 +163,22 @@ class Windows:
         away = np.all((left <= match * match * sizes) | drifting, axis=1)
         return np.asarray(away & np.any((sizes > 0.0) & ~drifting, axis=1))
 
-    def shrink(self, drifting: Bools) -> Bools:
-        """Which motions have lost half of the spread of every state in a window, or more, (M,)."""
-        return np.asarray(np.all(halves(self.points) | drifting, axis=1))
+    def shrink(self, drifting: Bools, sizes: Floats, match: float) -> Bools:
+        """Which motions have lost half of the spread of every state in a window, or more, (M,).
+
+        States that rest do not count, unless all do.
+        """
+        floor = rest_floor(self.points, sizes, match)
+        moves = np.any((np.ptp(self.points, axis=1) > floor) & ~drifting, axis=1)
+        return np.asarray(np.all(halves(self.points, floor) | drifting, axis=1) & moves)
 
     def returns(
         self, motions: Integers, drifting: Bools, sizes: Floats, match: float
     ) -> tuple[Integers, Floats]:
         """Period and residual of both windows of some motions, (m, 2) each.
 
-        ``sizes``, (m, n), are those of the states since the start: what has died away to ``match``
-        times ``match`` of them is at rest.
+        ``sizes``, (m, n), are the natural ones of the states: what has died away to ``match`` times
+        ``match`` of them is at rest.
         """
         points, record = self.points[motions], self.record
         floor = self._floors(motions, drifting, sizes, match)
@@ -189,13 +194,13 @@ class Windows:
         points = self.points[motions]
         floor = self._floors(motions, drifting, sizes, match)
         scale = np.maximum(scales(points, drifting), floor)
-        return np.asarray(settled_periods(points, drifting, match, scale) == 0)
+        return np.asarray(settled_periods(points, drifting, match, scale, sizes) == 0)
 
     def _floors(self, motions: Integers, drifting: Bools, sizes: Floats, match: float) -> Floats:
         """Least scale of each state, (m, n): what is smaller is rounding, or at rest."""
         points = self.points[motions]
         rounding = 4.0 * _EPSILON / match * np.abs(points).max(axis=1)
-        return np.where(drifting, rounding, match * sizes)
+        return np.where(drifting, rounding, floor_of(sizes, match))
 
 
 def _extremes(recorded: Recorded) -> tuple[Floats, Floats]:
@@ -235,10 +240,10 @@ def elsewhere(earlier: Floats, later: Floats, floor: Floats) -> npt.NDArray[np.b
 def rest_floor(states: Floats, sizes: Floats, match: float) -> Floats:
     """Spread of each state below which it rests, or is rounding, (..., n).
 
-    shapes: states (..., K, n), sizes (..., n) since the start
+    shapes: states (..., K, n), sizes (..., n): natural ones
     """
     rounding = 4.0 * _EPSILON / match * np.abs(states).max(axis=-2)
-    return np.maximum(match * match * sizes, rounding)
+    return np.maximum(match * floor_of(sizes, match), rounding)
 
 
 def no_closed_orbit(
@@ -248,8 +253,8 @@ def no_closed_orbit(
 
     One state alone goes one way for ever unless events turn it back or it is an angle.
 
-    shapes: earlier and later (K, n), drifting states left out; sizes (n,) of the states since the
-    start; turns: whether events happen, or a state is an angle
+    shapes: earlier and later (K, n), drifting states left out; natural sizes (n,) of the states;
+    turns: whether events happen, or a state is an angle
     """
     if len(names) < 2 and not turns:
         return (
@@ -310,15 +315,16 @@ def shrunk(before: Floats, now: Floats, floor: Floats) -> Bools | None:
     return moves if np.any(moves) and np.all(less > _APART_FROM_NOISE * noise) else None
 
 
-def run_away(earlier: Floats, later: Floats, before: tuple[Floats, Floats]) -> Bools:
+def run_away(earlier: Floats, later: Floats, before: tuple[Floats, Floats], floor: Floats) -> Bools:
     """Whether two windows, (..., K, n) each, show motions that grow tenfold, without bound.
 
     A burst of a size that was seen before is none.
 
     before: least and largest values, (..., n) each, of all windows before these
+    floor: (..., n), a spread below it is none
     """
     low, high = before
-    more = np.ptp(later, axis=-2) > _RUNAWAY * np.ptp(earlier, axis=-2)
+    more = np.ptp(later, axis=-2) > _RUNAWAY * np.maximum(np.ptp(earlier, axis=-2), floor)
     beyond = (later.max(axis=-2) > high) | (later.min(axis=-2) < low)
     return np.asarray(np.any(more & beyond, axis=-1))
 
@@ -349,7 +355,7 @@ def grows(
     growth is without bound, as far as one can see, where it leaves all that was seen ``before``
     (as in `run_away`) by as much again. Where nothing was, it is said to grow, and no more.
 
-    shapes: strobes (K, n), sizes (n,) of the states since the start
+    shapes: strobes (K, n), natural sizes (n,) of the states
     """
     parts = np.array_split(strobes, _PARTS)
     edges = np.stack([[part.max(axis=0) for part in parts], [-part.min(axis=0) for part in parts]])

@@ -47,7 +47,11 @@ def primitive_period(
 
 
 def settled_periods(
-    points: Floats, drifting: npt.NDArray[np.bool_], match: float, scale: Floats | None = None
+    points: Floats,
+    drifting: npt.NDArray[np.bool_],
+    match: float,
+    scale: Floats | None = None,
+    natural: Floats | None = None,
 ) -> Integers:
     """Primitive period of each of M motions that have come as far as to show it, 0 for others.
 
@@ -56,13 +60,18 @@ def settled_periods(
     twice that distance. A true period p has points much farther apart, and not the same to
     ``match``.
 
-    shapes: points (M, K, n), drifting (n,), scale (M, n), that of `scales` without another one
+    shapes: points (M, K, n), drifting (n,), scale (M, n), that of `scales` without another one;
+    natural (M, n): sizes of the states, of which some part is rounding; the largest of the points
+    without them
     """
     scale = scales(points, drifting) if scale is None else scale
+    largest = np.abs(points - np.where(drifting, points[:, :1], 0.0)).max(axis=1)
+    if natural is not None:
+        largest = np.where(drifting, largest, np.maximum(largest, natural))
     periods = primitive_periods(points, drifting, match, scale)
     for p in np.unique(periods[periods > 1]).tolist():
         which = np.flatnonzero(periods == p)
-        left = _way_left(points[which], drifting, scale[which], match, p)
+        left = _way_left(points[which], drifting, scale[which], largest[which], match, p)
         for r in _next_divisors(p):
             apart = _changes(points[which], drifting, scale[which], r)[:, -p:].max(axis=(1, 2))
             periods[which[~(apart > _APART * np.maximum(left, match))]] = 0
@@ -121,7 +130,12 @@ def _changes(points: Floats, drifting: npt.NDArray[np.bool_], scale: Floats, p: 
 
 
 def _way_left(
-    points: Floats, drifting: npt.NDArray[np.bool_], scale: Floats, match: float, p: int
+    points: Floats,
+    drifting: npt.NDArray[np.bool_],
+    scale: Floats,
+    largest: Floats,
+    match: float,
+    p: int,
 ) -> Floats:
     """How far motions that repeat after p steps are from where they go, (M,) in their scales.
 
@@ -129,15 +143,16 @@ def _way_left(
     below ``match`` that lead nowhere.
     """
     change = _changes(points, drifting, scale, p)
-    way = change[:, change.shape[1] // 2 :].max(axis=(1, 2))
-    left = change[:, -p:].max(axis=(1, 2))
-    largest = np.abs(points - np.where(drifting, points[:, :1], 0.0)).max(axis=1)
     rounding = _ROUNDING * largest / np.where(scale > 0.0, scale, 1.0)
-    with np.errstate(divide="ignore"):
-        way /= np.maximum(1.0 - _contraction(change, p), 0.0)
+    left = change[:, -p:].max(axis=1)
+    is_rounding = np.all(left <= np.maximum(rounding, match * match), axis=1)
     span = _span_of_noise(points, drifting, scale, rounding, p)
+    change = np.where(change > rounding[:, None], change, 0.0)
+    way = change[:, change.shape[1] // 2 :].max(axis=(1, 2))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        way = np.where(way > 0.0, way / np.maximum(1.0 - _contraction(change, p), 0.0), 0.0)
     way = np.where(span <= _SLIGHT * match, span, way)
-    return np.where(left <= np.maximum(rounding.max(axis=1), match * match), left, way)
+    return np.where(is_rounding, left.max(axis=1), way)
 
 
 def _span_of_noise(

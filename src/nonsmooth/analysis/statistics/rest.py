@@ -13,14 +13,17 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["comes_to_rest", "halves", "natural_sizes", "way_left"]
+__all__ = ["comes_to_rest", "floor_of", "halves", "natural_sizes", "way_left"]
 
+Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
 
 _ROUNDING = 16.0 * float(np.finfo(float).eps)  # of a size, from strobe to strobe
 _HALF = 0.5  # of the spread of every state at most is left in the second half of a decay
 _REMEMBERED = 0.5  # multiplier of a part of an interval in which neighbours do not forget
-_LEAST_PART = 1e-6  # of an interval
+_LOOKS, _MORE_LOOKS = 3, 7  # parts of an interval that are asked, and shorter ones
+_GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # no two of its powers are whole half turns of one oscillation
+_SHORTER = 8.0
 _PART = 0.5  # of the strobes over which neighbours shrink at least, while they shrink in all
 
 
@@ -45,35 +48,59 @@ def comes_to_rest(
     if not np.all(ranges <= match * natural):
         return False
     if passes:
-        return bool(np.all(halves(points[None])))
+        return bool(np.all(halves(points[None], _ROUNDING * natural)))
     return block is not None and _approaches(points, block, natural, match)
 
 
-def halves(points: Floats) -> npt.NDArray[np.bool_]:
+def halves(points: Floats, floor: Floats) -> Bools:
     """Which states have lost half of their spread or more in the second half of their points.
 
-    shapes: points (M, K, k); returns (M, k)
+    So has one that has none: whose spread is not above the floor.
+
+    shapes: points (M, K, k), floor (k,) or (M, k); returns (M, k)
     """
     middle = points.shape[1] // 2
     before, now = (np.ptp(part, axis=1) for part in (points[:, : middle + 1], points[:, middle:]))
-    return np.asarray(now <= _HALF * before)
+    return np.asarray(now <= np.maximum(_HALF * before, floor))
 
 
-def natural_sizes(sizes: Floats, block_over: Callable[[float], Floats | None]) -> Floats:
-    """Sizes since the start, or what a part of an interval makes of those of all states.
+def natural_sizes(
+    sizes: Floats, chosen: Bools, blocks_over: Callable[[float, Bools], tuple[Bools, Floats]]
+) -> Floats:
+    """Sizes since the start, or what parts of an interval make of those of all states.
 
-    The part is short enough that neighbours do not forget where they began.
+    That is what each state would be if all others moved by their sizes. Several parts are asked, as
+    a velocity has its turn again after half a turn of its position, and nothing of it is left then.
+    The last of them is short enough that neighbours do not forget where they began. What grows
+    within a part is taken back to the size where it began.
 
-    shapes: sizes (k,); block_over: derivatives (k, k) over a part of the interval after the last
-    strobe, None where they are not known
+    shapes: sizes (M, k), chosen (M,); blocks_over: derivatives (M, k, k) over a part of the
+    interval after the last strobe of some motions, and where they are known (M,)
     """
-    natural, part = sizes, 1.0
-    while part > _LEAST_PART and (block := block_over(part)) is not None:
-        natural = np.maximum(natural, np.abs(block) @ sizes)
-        if np.abs(np.linalg.eigvals(block)).max() > _REMEMBERED:
+    natural, going, part = sizes.copy(), chosen & (sizes.shape[1] > 0), 1.0
+    for k in range(_LOOKS + _MORE_LOOKS):
+        if not np.any(going):
             break
-        part /= 8.0
+        known, blocks = blocks_over(part, going)
+        which = np.flatnonzero(known)
+        modulus = np.abs(np.linalg.eigvals(blocks[which])).max(axis=1, initial=0.0)
+        made = np.abs(blocks[which]) @ sizes[which, :, None]
+        made = made[..., 0] / np.maximum(modulus, 1.0)[:, None]
+        natural[which] = np.maximum(natural[which], made)
+        if k + 1 >= _LOOKS:
+            going[which[modulus > _REMEMBERED]] = False
+            part /= _SHORTER
+        else:
+            part *= _GOLDEN
     return natural
+
+
+def floor_of(natural: Floats, match: float) -> Floats:
+    """Least scale of states of some natural size: ``match`` of it, and far above rounding.
+
+    Strobes repeat to ``match`` of a scale, which is ``match`` squared of a natural size then.
+    """
+    return np.maximum(match, _ROUNDING / match) * natural
 
 
 def way_left(points: Floats, block: Floats) -> Floats:
