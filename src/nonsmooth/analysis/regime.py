@@ -72,14 +72,17 @@ def regime(
         16 times the transient (or the record, if that is longer) without it.
     confirm : int, optional
         Periods for which a chaotic motion is run on, as chaos may be a long transient, and a
-        quasi-periodic one that is driven, as it may settle slowly; 0 to trust the windows.
+        quasi-periodic one, as it may settle slowly; 0 to trust the windows.
     phase : float, optional
         Part of the period at which strobes are taken, from 0 to less than 1.
     period : float or str, optional
         Another time between strobes than the period of the system, as in `stroboscopic_map`: for
         systems with several frequencies or none.
     match : float, optional
-        Strobes repeat when they do to this part of the size of each state.
+        Strobes repeat when they do to this part of the size of each state. One that is small at the
+        strobes counts beside ``match`` of its natural size: the largest since the start, or the
+        change that a part of an interval makes of the sizes of all states. So rounding of a state
+        at rest is no motion.
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional
@@ -136,10 +139,9 @@ def regime(
     ``equilibrium``
         Nothing changes, between strobes either, and all multipliers lie inside the unit circle.
         Where nothing drives the system, this is told of the last of a decay, too: all states, at
-        strobes, between them and at events, keep within ``match`` of their sizes; by the
+        strobes, between them and at events, keep within ``match`` of their natural sizes; by the
         derivatives over an interval no more than that is left of the way; and strobes come nearer
-        as neighbours do. The size of a state is the largest since the start, or the change that a
-        part of an interval makes of the sizes of all states. On a surface, where states pass from
+        as neighbours do. On a surface, where states pass from
         mode to mode for ever, their spread must halve from window to window instead. A motion that
         has died away to ``match`` times ``match`` of its sizes is at rest in any system. Drifts
         are at rest too: a strobe interval adds no more than ``match`` of their way since the start.
@@ -168,11 +170,17 @@ def regime(
         windows do not tell a slow decay from none. It must lie on the same curve then, or spread
         as far; where it does not, it is followed for as many periods once more. Where nothing
         drives the system, no state leaves the range of the windows before, and the states do not
-        all shrink as below. The message tells the exponents of both windows.
+        all shrink as below. The motion is run on as well: about a cycle to which it settles slowly
+        it fills a tube, which is a torus that becomes thinner. It must be as thick then as before,
+        to a fifth. Where neighbours approach it by one steady rate, that of an area along the
+        motion and across it, the tube of such a decay would have to be seen to be thinner by then.
+        The message tells the exponents of both windows.
     ``limit-cycle``
         Nothing drives the system, strobes do not repeat as the motion has a period of its own, and
         neighbours approach it: the exponent across it is below zero, or no perturbation across it
-        outlives its events. There are two states at least beside drifts, or one that is an angle,
+        outlives its events. Or states lie along a curve, and the exponent is below zero by a steady
+        rate that windows alone do not tell from none. Strobes do not draw together as neighbours
+        do, as where a clock turns once between them. There are two states at least beside drifts, or one that is an angle,
         or that events turn back. And the motion comes back to where it was, looked at once more
         within each strobe interval, over two windows of ``evidence`` intervals: the values of each
         state, sorted, differ in the mean by no more than 5 % of its spread, and nine in ten of the

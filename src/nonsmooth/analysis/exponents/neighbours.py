@@ -114,6 +114,7 @@ class StrobeGrowth(NamedTuple):
     statuses: Integers  # (K,): how each motion ended, or COMPLETED
     has_mode: Bools  # (K,): whether a mode takes the start; there is no growth where none does
     growth: Floats  # (K, intervals): logarithms
+    areas: Floats  # (K, intervals): of what all columns span; nan where they fill all states
 
 
 def strobe_growth(given: Neighbours, turn: int) -> StrobeGrowth:
@@ -158,7 +159,8 @@ def _one_column(given: Neighbours, turn: int) -> tuple[StrobeGrowth, Bools]:
         lost = given.chosen & flow.goes_on & np.isneginf(flow.growth[:, 0])
     sizes = _sizes(given, flow, columns, given.chosen & ~lost)
     with np.errstate(invalid="ignore"):
-        return StrobeGrowth(flow.statuses, has_mode, np.diff(sizes[:, turn:], axis=1)), lost
+        found = np.diff(sizes[:, turn:], axis=1)
+        return StrobeGrowth(flow.statuses, has_mode, found, found), lost
 
 
 def _sizes(given: Neighbours, flow: SweepTangents, columns: Floats, chosen: Bools) -> Floats:
@@ -205,9 +207,10 @@ def _several_columns(given: Neighbours, chosen: Bools, turn: int) -> StrobeGrowt
     logarithms = np.concatenate(rows, axis=1)[:, turn - 1 :]
     if count == neutral:  # there is no other direction
         found = np.full((chosen.size, logarithms.shape[1] - 1), -np.inf)
-        return StrobeGrowth(flow.statuses, has_mode, found)
+        return StrobeGrowth(flow.statuses, has_mode, found, np.full_like(found, np.nan))
     with np.errstate(invalid="ignore"):  # a column that was lost from the beginning
         moved = np.abs(logarithms[:, -1] - logarithms[:, 0])
         order = np.argsort(moved, axis=1, kind="stable")[:, None, neutral, None]
         left = np.take_along_axis(logarithms, order, axis=2)[..., 0]
-        return StrobeGrowth(flow.statuses, has_mode, np.diff(left, axis=1))
+        areas = np.diff(logarithms.sum(axis=2), axis=1)
+        return StrobeGrowth(flow.statuses, has_mode, np.diff(left, axis=1), areas)

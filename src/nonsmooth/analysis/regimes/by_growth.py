@@ -19,6 +19,7 @@ from nonsmooth.analysis.regimes.closed_curves import (
 )
 from nonsmooth.analysis.regimes.labels import Verdict
 from nonsmooth.analysis.regimes.options import TESTED, RegimeProtocol
+from nonsmooth.analysis.regimes.slow_decay import KEPT, MotionTube, SteadyRate, steady_rate
 from nonsmooth.analysis.regimes.window import (
     APART,
     SHRINKING,
@@ -37,12 +38,13 @@ from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.runs.strobe_times import hides_phase
 from nonsmooth.system.columns import with_error
 
-__all__ = ["EarlierLooks", "Evidence", "by_growth"]
+__all__ = ["EarlierLooks", "Evidence", "FormerLook", "by_growth"]
 
 _SETTLES = "it settles slowly"
 _NOTHING = "decide nothing"
 _SAME = 1e-4  # of a step along a curve, by which strobes of a period miss each other
 _NEARING = 0.5  # of a step between strobes that nearly repeat is left as they come to a node
+_AS_FAST = 0.5  # of the rate of neighbours, by which strobes draw together at least
 _MOST_EVIDENCE = 100_000  # strobes that a message asks for
 
 Bools = npt.NDArray[np.bool_]
@@ -51,13 +53,20 @@ Integers = npt.NDArray[np.int64]
 _Rates: TypeAlias = tuple[float, float]  # a mean with its standard error
 
 
+class FormerLook(NamedTuple):
+    """What was seen of a motion when it seemed quasi-periodic; n states."""
+
+    strobes: Floats  # (K + 1, n)
+    looks: Floats  # (K, n)
+
+
 class EarlierLooks(NamedTuple):
     """What was seen of M motions before a look; n states."""
 
     low: Floats  # (M, n): least value of each state at strobes, inf where nothing was seen
     high: Floats  # (M, n): largest one, or -inf
     spread: Floats  # (M, n): that of the window before, or inf
-    former: tuple[Floats | None, ...]  # strobes of the look that gave quasi-periodic motion first
+    former: tuple[FormerLook | None, ...]  # the look that gave quasi-periodic motion last
     ago: Integers  # (M,): periods between that look and this one
 
     @staticmethod
@@ -87,6 +96,7 @@ class Evidence:
     """Two windows of M motions and of a neighbour of each; n states, K strobe intervals in both."""
 
     growth: Floats  # (M, K): logarithms
+    areas: Floats  # (M, K): those of an area along the motion and across it
     strobes: Floats  # (M, K + 1, n)
     looks: Floats  # (M, K, n): one in each interval
     lengths: Floats  # (M,) of an interval
@@ -101,8 +111,8 @@ class Evidence:
 
     @staticmethod
     def of(
-        group: Group, which: Integers, growth: Floats, states: Floats, sizes: Floats,
-        history: EarlierLooks, match: float,
+        group: Group, which: Integers, growth: Floats, areas: Floats, states: Floats,
+        sizes: Floats, history: EarlierLooks, match: float,
     ) -> Evidence:  # fmt: skip
         """Evidence of some motions of a group, (M,), from the states at strobes and looks.
 
@@ -111,7 +121,7 @@ class Evidence:
         lengths, autonomous = group.lengths[which], not group.runner.is_driven
         apart = (states[:, ::2], states[:, 1::2]) if autonomous else (states, states[:, 1:])
         return Evidence(
-            growth, *apart, lengths, tuple(group.system.states), group.drifting,
+            growth, areas, *apart, lengths, tuple(group.system.states), group.drifting,
             group.angle_periods > 0.0, sizes, autonomous,
             hides_phase(group.runner.frequencies[which], lengths), match, history.of(which),
         )  # fmt: skip
@@ -124,6 +134,12 @@ class Evidence:
         if self.autonomous:
             return labels.LIMIT_CYCLE
         return labels.QUASI_PERIODIC if self.hides_phase[i] else ""
+
+    def steady(self, i: int) -> SteadyRate:
+        """Rate across motion i that all of the record has; none is told of one that is driven."""
+        if not self.autonomous:
+            return SteadyRate(np.nan, np.inf, self.areas.shape[1])
+        return steady_rate(self.areas[i])
 
     @cached_property
     def exponents(self) -> tuple[list[_Rates], list[_Rates], list[_Rates]]:
@@ -191,6 +207,10 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
     curves = None if unasked else closed_curves(series)
     turns, attracting = isinstance(curves, ClosedCurves), found.attracting(i)
     label = labels.label_of_growth(rates, errors, count * length, attracting, turns=turns)
+    slow = found.steady(i)
+    is_cycle = slow.decays and label in ("", labels.QUASI_PERIODIC) and _is_line(found, i)
+    if is_cycle:
+        label, exponent, error = labels.LIMIT_CYCLE, slow.rate / length, slow.error / length
     both = f"{with_error(first, first_error, 3, 2)} and {with_error(second, second_error, 3, 2)}"
     rate, told = exponent, f"exponent {with_error(exponent, error, 3, 2)}"
     if found.autonomous and np.count_nonzero(~found.drifting) < 2:
@@ -201,12 +221,17 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
         rule = _rule(rates, errors, length, curves, protocol)
         told = f"exponent of two windows, {both}, {rule}"
     why, factor = _unbounded(label, seen, found, i, turns=turns), None
-    if not why and label == labels.QUASI_PERIODIC and not found.autonomous:
-        why, factor = _moved(found, i, curves, protocol)
+    if not why and label == labels.QUASI_PERIODIC:
+        if found.autonomous:
+            why, factor = _thinner(found, i, slow, protocol)
+        else:
+            why, factor = _moved(found, i, curves, protocol)
+    elif not why and label == labels.LIMIT_CYCLE and _strobes_settle(found, i, exponent * length):
+        why, factor = f"they draw together: {_SETTLES}", float(np.exp(exponent * length))
     if not (why or label):
-        why = _undecided(rates, errors, both, protocol, autonomous=found.autonomous)
+        why = _undecided(rates, errors, both, protocol, slow, autonomous=found.autonomous)
         why += _cure(curves, protocol) if why.endswith(_NOTHING) else ""
-        factor = float(np.exp(exponent * length))
+        factor = float(np.exp(slow.rate if slow.decays else exponent * length))
     if why:
         if why.endswith(_SETTLES):
             factor = (
@@ -225,6 +250,54 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
     return seen.named(label, told if is_turn else f"{told}, {tested}")
 
 
+def _is_line(found: Evidence, i: int) -> bool:
+    """Whether the states of motion i lie along a curve, between strobes as at them."""
+    moving = found.moving[i]
+    states = np.concatenate([found.looks[i][:, moving], found.strobes[i][:, moving]])
+    return MotionTube.of(states, np.ptp(states, axis=0)).is_line
+
+
+def _strobes_settle(found: Evidence, i: int, rate: float) -> bool:
+    """Whether strobes of motion i draw together as its neighbours do, by a rate per interval.
+
+    So they do where they lie a period of the cycle apart, or a clock turns once between them. Where
+    they only creep along a cycle, neighbours are much faster.
+    """
+    strobes = found.strobes[i][1:, found.moving[i]]
+    floor = rest_floor(strobes, found.sizes[i, found.moving[i]], found.match)
+    before, now = (part.std(axis=0) for part in np.array_split(strobes, 2))
+    moves = np.ptp(strobes, axis=0) > floor
+    most = np.exp(_AS_FAST * rate * (len(strobes) // 2))
+    return bool(np.any(moves) and np.all(now[moves] <= most * before[moves]))
+
+
+def _thinner(
+    found: Evidence, i: int, slow: SteadyRate, protocol: RegimeProtocol
+) -> tuple[str, float | None]:
+    """Why motion i, which nothing drives, is on its way to a cycle, "" where it is a torus.
+
+    With the factor by which it settles per period, if it does. About a cycle it fills a tube, the
+    width of which falls with the root of the area of the tube. Where it falls by too little to be
+    seen since the last look, and neighbours come nearer steadily, nothing tells it from a torus.
+    """
+    moving, former, ago = found.moving[i], found.history.former[i], float(found.history.ago[i])
+    factor = float(np.exp(slow.rate)) if slow.decays else None
+    steadily = f"neighbours approach it steadily: {_SETTLES}"
+    if former is None:
+        return (steadily, factor) if slow.decays and not protocol.confirm else ("", None)
+    earlier, later = former.looks[:, moving], found.looks[i][:, moving]
+    unit = np.ptp(earlier, axis=0)
+    before, now = MotionTube.of(earlier, unit), MotionTube.of(later, unit)
+    if now.width < KEPT * before.width:
+        ratio = (now.width / before.width) ** (2.0 / ago)
+        said = f"the tube that it fills becomes thinner: {_SETTLES}"
+        return said, ratio if factor is None else factor
+    if now.width * KEPT > before.width:
+        return "the tube that it fills becomes thicker: it grows slowly", None
+    is_seen = slow.decays and np.exp(0.5 * slow.rate * ago) < KEPT * KEPT
+    return ("", None) if is_seen or not slow.decays else (steadily, factor)
+
+
 def _moved(
     found: Evidence, i: int, curves: ClosedCurves | Rotation | None, protocol: RegimeProtocol
 ) -> tuple[str, float | None]:
@@ -236,7 +309,7 @@ def _moved(
     former, ago = found.history.former[i], float(found.history.ago[i])
     if former is None:
         return "", None
-    now, before = (_series(each, found.moving[i]) for each in (found.strobes[i], former))
+    now, before = (_series(each, found.moving[i]) for each in (found.strobes[i], former.strobes))
     if isinstance(curves, ClosedCurves):
         if curves.meets(before) < _SAME:
             return _long_period(protocol), None
@@ -300,6 +373,7 @@ def _undecided(
     errors: tuple[float, float],
     both: str,
     protocol: RegimeProtocol,
+    slow: SteadyRate,
     *,
     autonomous: bool,
 ) -> str:
@@ -312,6 +386,8 @@ def _undecided(
             f" record= than {protocol.record}"
         )
     told = f"exponents of two windows, {both}"
+    if slow.decays:
+        return f"{told}, and the same one in all of them, say that {_SETTLES}"
     if max(rate + labels.ERRORS * error for rate, error in zip(rates, errors, strict=True)) >= 0.0:
         return f"{told}, {_NOTHING}"
     if autonomous:

@@ -17,7 +17,7 @@ from nonsmooth.analysis.exponents.neighbours import (
     strobe_growth,
 )
 from nonsmooth.analysis.regimes import labels
-from nonsmooth.analysis.regimes.by_growth import EarlierLooks, Evidence, by_growth
+from nonsmooth.analysis.regimes.by_growth import EarlierLooks, Evidence, FormerLook, by_growth
 from nonsmooth.analysis.regimes.labels import Verdict
 from nonsmooth.analysis.regimes.options import RegimeProtocol
 from nonsmooth.analysis.regimes.window import Windows, cyclic_word, window_times
@@ -32,6 +32,7 @@ from nonsmooth.runs.whole_turns import whole_turns
 __all__ = ["first_windows", "settled_regimes"]
 
 _CLOSING = 0.5  # of the residual of a window is left in the next one while a motion settles
+_NEARLY = 10.0  # times what strobes repeat to, to which they nearly do
 _ROUNDING = 1e-9  # of a multiplier
 _MORE_LOOKS = 4  # at a motion that was chaotic and is neither that nor settled when it is run on
 _LOOKS_AT_TORI = 2  # at a motion that seemed quasi-periodic, each as far behind the one before
@@ -53,14 +54,14 @@ def settled_regimes(protocol: RegimeProtocol, group: Group, recorded: Recorded) 
     """Regime of each motion of a group, whose first windows were recorded.
 
     The transient is doubled until one window of strobes gives the label that the window before has
-    given. Chaos may be one more transient, and a driven motion that seems quasi-periodic may settle
-    more slowly than two windows tell, so both are run on, and looked at again. What is next is done
-    for all motions together that need it. Where the work is stopped, verdicts that stand are handed
+    given. Chaos may be one more transient, and a motion that seems quasi-periodic may settle more
+    slowly than two windows tell, so both are run on, and looked at again. What is next is done for
+    all motions together that need it. Where the work is stopped, verdicts that stand are handed
     out.
     """
     motions = _Motions(protocol, group)
     going, lasting = group.usable.copy(), np.zeros(group.count, bool)
-    endless = {labels.CHAOTIC} if motions.autonomous else {labels.CHAOTIC, labels.QUASI_PERIODIC}
+    endless = [labels.CHAOTIC, labels.QUASI_PERIODIC]
     first = np.full(group.count, protocol.transient)
     found: Recorded | None = recorded
     try:
@@ -70,7 +71,7 @@ def settled_regimes(protocol: RegimeProtocol, group: Group, recorded: Recorded) 
             found = None
             following = np.maximum(following, motions.reached)
             has = np.array([verdict.label for verdict in motions.verdicts])
-            lasting |= going & np.isin(has, list(endless))
+            lasting |= going & np.isin(has, endless)
             going &= (has == labels.UNSETTLED) & (following <= protocol.longest)
             first = following
         if protocol.confirm and np.any(lasting):
@@ -103,8 +104,8 @@ class _Motions:
         # (M, 2): strobes at which the windows of evidence of the last look begin
         self.evidence = np.zeros((group.count, 2), np.int64)
         self.history = EarlierLooks.blank(group.count, self.drifting.size)
-        # strobes of the last look at each motion that seemed quasi-periodic, and which is the first
-        self.former: dict[int, tuple[Floats, int]] = {}
+        # the last look at each motion that seemed quasi-periodic, and its first strobe
+        self.former: dict[int, tuple[FormerLook, int]] = {}
         self.verdicts = [Verdict(Status.REFUSED.word, "", 0, np.nan, nothing)] * group.count
         self._tangents = IntervalTangents(group)
 
@@ -121,9 +122,13 @@ class _Motions:
         (before, now), (rest_before, rest_now) = (each.T for each in both)
         same = alive & (before == now)
         for i in np.flatnonzero(alive & ~same).tolist():
-            self.verdicts[i] = seen[i].unsettled(
-                f"one window has the period {before[i]}, the next {now[i]}"
-            )
+            why = f"one window has the period {before[i]}, the next {now[i]}"
+            if max(rest_before[i], rest_now[i]) <= _NEARLY * self.protocol.match:
+                why += (
+                    f"; strobes repeat to {rest_now[i]:.2g} with any, as on the last of the way of"
+                    " a motion that settles slowly: a larger longest= tells"
+                )
+            self.verdicts[i] = seen[i].unsettled(why)
         on_the_way = self._on_the_way(windows, same & (now > 1))
         for i in np.flatnonzero(on_the_way).tolist():
             self.verdicts[i] = replace(seen[i], period=0, word="").unsettled(
@@ -454,8 +459,8 @@ class _Motions:
                 self.verdicts[i] = seen[i].named(labels.label_of_end(status, group.system), why)
         known = np.flatnonzero(going & found.has_mode & (found.statuses == Status.COMPLETED))
         evidence = Evidence.of(
-            group, known, found.growth[known], states[known, turn - 1 :], self.natural[known],
-            self._history(), self.protocol.match,
+            group, known, found.growth[known], found.areas[known], states[known, turn - 1 :],
+            self.natural[known], self._history(), self.protocol.match,
         )  # fmt: skip
         for k, i in enumerate(known.tolist()):
             verdict = by_growth(seen[i], evidence, k, self.protocol)
@@ -464,14 +469,15 @@ class _Motions:
                 verdict = replace(verdict, chaotic_for=length)
             self.verdicts[i] = verdict
             if verdict.label == labels.QUASI_PERIODIC or i in self.former:
-                self.former[i] = evidence.strobes[k], int(self.evidence[i, 0])
+                look = FormerLook(evidence.strobes[k], evidence.looks[k])
+                self.former[i] = look, int(self.evidence[i, 0])
         self.history = self.history.after(known, evidence.strobes)
 
     def _history(self) -> EarlierLooks:
         """What was seen before this look."""
         former, ago = list(self.history.former), self.history.ago.copy()
-        for i, (strobes, first) in self.former.items():
-            former[i], ago[i] = strobes, self.evidence[i, 0] - first
+        for i, (look, first) in self.former.items():
+            former[i], ago[i] = look, self.evidence[i, 0] - first
         return self.history._replace(former=tuple(former), ago=ago)
 
     def _looks(self, times: Times, turn: int, chosen: Bools) -> Times:
