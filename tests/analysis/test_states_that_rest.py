@@ -20,6 +20,7 @@ from nonsmooth.analysis.regimes.window import run_away
 from nonsmooth.analysis.settle import Group, ParameterSets
 from nonsmooth.analysis.statistics.periodicity import settled_periods
 from nonsmooth.analysis.statistics.rest import floor_of, halves, natural_sizes
+from nonsmooth.analysis.statistics.sizes_by_rates import sizes_by_rates
 from nonsmooth.cli.app import app
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.sweep_runner import SweepRunner
@@ -185,3 +186,35 @@ def test_rounding_neither_grows_nor_hides_that_others_halve():
     points = np.column_stack([0.5 ** np.arange(9.0), 1e-17 * (-1.0) ** np.arange(9)])[None]
     assert halves(points, np.zeros(2)).tolist() == [[True, False]]
     assert halves(points, np.full(2, 1e-15)).tolist() == [[True, True]]
+
+
+@pytest.mark.parametrize(("w", "period"), [(2.2, 1), (2.5, 2)])
+def test_local_regimes_beside_a_mass_at_rest(w, period):
+    system = shaker(RESTING, "0.1 - x").with_parameters(w=w)
+    run = ns.simulate(system, periods=600, samples_per_period=1, events=False)
+    found = ns.local_regimes(run.isel(time=slice(200, None)))
+    assert found["stretch_period"].values.tolist() == [period]
+
+
+def test_dimensions_leave_out_what_rests():
+    """Rounding would fill a direction of its own."""
+    system = shaker(RESTING, "0.1 - x").with_parameters(w=2.8)
+    run = ns.simulate(system, periods=2300, samples_per_period=1, events=False)
+    points = run.isel(time=slice(300, None))
+    for verb in (ns.box_dimension, ns.correlation_dimension):
+        moving, found = verb(points, states=["x", "v"]), verb(points)
+        assert found[verb.__name__].item() == moving[verb.__name__].item()
+
+
+def test_sizes_by_rates_do_not_depend_on_units():
+    """A pair in metres has a velocity of x times its angular frequency, and so in micrometres."""
+    found = []
+    for unit in (1.0, 1e6):
+        system = System(
+            states=["x", "v"], parameters={"L": unit}, period="1",
+            equations={"x": "v", "v": "1e8*(1e-5*L - x) - 10*v"},
+        )  # fmt: skip
+        states = np.array([[1e-5 * unit, 1e-17 * unit], [1e-5 * unit, -1e-17 * unit]])
+        found.append(sizes_by_rates(system, states, 0) / unit)
+    np.testing.assert_allclose(found[0], [1e-5, 0.1], rtol=1e-3)
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-9)

@@ -16,6 +16,7 @@ from nonsmooth.analysis.regimes.stretches import (
     stretch_columns,
 )
 from nonsmooth.analysis.regimes.strobe_points import StrobePoints, strobe_points
+from nonsmooth.analysis.statistics.sizes_by_rates import AT_REST
 from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.runs.options import finite_number, whole_number
 
@@ -155,7 +156,7 @@ def local_regimes(
     allowed = finite_number("tolerance", tolerance)
     if not 0.0 < allowed < 1.0:
         raise OptionError(f"tolerance = {allowed:g} must lie between 0 and 1")
-    scaled = _scaled(points.values)
+    scaled = _scaled(points.values, AT_REST * points.natural)
     periods = local_periods(scaled, length, most, allowed)
     names = _parameters(points, parameter)
     columns = stretch_columns(points, periods, names, scaled, length)
@@ -171,12 +172,15 @@ def _whole(name: str, value: Any, most: int = _MOST) -> int:
     return number
 
 
-def _scaled(values: Floats) -> Floats:
-    """Points in units of the spread of each variable; one that rests does not count."""
+def _scaled(values: Floats, rounding: Floats) -> Floats:
+    """Points in units of the spread of each variable; one that rests does not count.
+
+    rounding: (d,), spreads that are those of a state at rest
+    """
     low, high = _range(values)
     spread = high - low
     unit = np.maximum(spread, _FLOOR * np.maximum(np.abs(low), np.abs(high)))
-    unit = np.maximum(unit, _TINY * np.abs(values).max(axis=0))
+    unit = np.maximum.reduce([unit, _TINY * np.abs(values).max(axis=0), rounding])
     scaled: Floats = (values - (low + 0.5 * spread)) / np.where(unit > 0.0, unit, 1.0)
     return scaled
 

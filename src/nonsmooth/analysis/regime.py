@@ -180,14 +180,14 @@ def regime(
         neighbours approach it: the exponent across it is below zero, or no perturbation across it
         outlives its events. Or states lie along a curve, and the exponent is below zero by a steady
         rate that windows alone do not tell from none. Strobes do not draw together as neighbours
-        do, as where a clock turns once between them. There are two states at least beside drifts, or one that is an angle,
-        or that events turn back. And the motion comes back to where it was, looked at once more
-        within each strobe interval, over two windows of ``evidence`` intervals: the values of each
-        state, sorted, differ in the mean by no more than 5 % of its spread, and nine in ten of the
-        later states lie within 5 % of an earlier one. Nor do the spreads of all states halve, or
-        fall while the values differ by more. So motions that come to rest slowly, grow or travel
-        are ``unsettled``, and so are cycles that are long beside a window; a longer ``period``
-        helps.
+        do, as where a clock turns once between them. There are two states at least beside drifts,
+        or one that is an angle, or that events turn back. And the motion comes back to where it
+        was, looked at once more within each strobe interval, over two windows of ``evidence``
+        intervals: the values of each state, sorted, differ in the mean by no more than 5 % of its
+        spread, and nine in ten of the later states lie within 5 % of an earlier one. Nor do the
+        spreads of all states halve, or fall while the values differ by more. So motions that come
+        to rest slowly, grow or travel are ``unsettled``, and so are cycles that are long beside a
+        window; a longer ``period`` helps.
     ``absorbed``
         Impacts accumulate and no exit sticks, or an exit to 'stop' ends the run. However chaotic
         the motion was before, it has no exponent. Where no exit has a reset, what accumulates are

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from nonsmooth.analysis.statistics.sizes_by_rates import AT_REST, sizes_by_rates
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.options import whole_number
 from nonsmooth.system.system import System
@@ -86,8 +87,12 @@ def _of_attractor(data: xr.Dataset, attractor: int | None, states: Any) -> Any:
         )
     chosen = data["points"].sel(attractor=attractor).transpose("point", "state")
     names = [str(name) for name in chosen["state"].values]
-    names = _without_drift(data, names) if states is None else _check_names(states, names)
-    return chosen.sel(state=names).values
+    if states is not None:
+        return chosen.sel(state=_check_names(states, names)).values
+    values = dict(zip(names, chosen.values.T, strict=True))
+    has_modes = "mode" in data
+    modes = data["mode"].sel(attractor=attractor).values if has_modes else None
+    return _that_move(data, values, modes)
 
 
 def _of_states(data: xr.Dataset, states: Any) -> Any:
@@ -98,19 +103,40 @@ def _of_states(data: xr.Dataset, states: Any) -> Any:
     ]
     if not known:
         raise OptionError("the dataset holds no points: no variable has one dimension")
-    names = _without_drift(data, known) if states is None else _check_names(states, known)
+    names = _states_among(data, known) if states is None else _check_names(states, known)
     dims = {data[name].dims for name in names}
     if len(dims) != 1:
         raise OptionError(f"states = {names!r:.80} are not over the same points")
-    return np.stack([data[name].values for name in names], axis=1)
+    values = {name: data[name].values for name in names}
+    if states is None:
+        has_modes = "mode" in data and data["mode"].dims in dims
+        return _that_move(data, values, data["mode"].values if has_modes else None)
+    return np.stack(list(values.values()), axis=1)
 
 
-def _without_drift(data: xr.Dataset, names: list[str]) -> list[str]:
-    """States among the names: outputs tell nothing new, and a drift has no end."""
+def _states_among(data: xr.Dataset, names: list[str]) -> list[str]:
+    """States among the names, where any are known: outputs tell nothing new."""
     if "system" not in data.attrs:
         return names
+    return [name for name in System.from_toml(data.attrs["system"]).states if name in names]
+
+
+def _that_move(data: xr.Dataset, values: dict[str, Points], modes: Any) -> Any:
+    """Points (K, n) of the states that move; a drift has no end, and one at rest is rounding.
+
+    modes: (K,), None where they are not known
+    """
+    points = np.stack(list(values.values()), axis=1)
+    if "system" not in data.attrs:
+        return points
     system = System.from_toml(data.attrs["system"])
-    return [name for name in system.states if name in names and name not in system.drift_states]
+    moving = ~np.isin(list(values), system.drift_states)
+    here = np.flatnonzero(np.all(np.isfinite(points), axis=1))
+    if modes is not None and list(values) == list(system.states) and here.size:
+        natural = sizes_by_rates(system, points[here], int(modes[here[-1]]))
+        moves = moving & (np.ptp(points[here], axis=0) > AT_REST * natural)
+        moving = moves if np.any(moves) else moving
+    return points[:, moving]
 
 
 def _check_names(states: Any, known: list[str]) -> list[str]:

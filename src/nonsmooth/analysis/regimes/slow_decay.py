@@ -41,12 +41,12 @@ class SteadyRate(NamedTuple):
 
     rate: float
     error: float
-    count: int  # intervals
+    intervals: int
 
     @property
     def decays(self) -> bool:
         """Whether it is below zero by more than its error and rounding."""
-        least = max(_ERRORS * self.error, _ROUNDING / self.count)
+        least = max(_ERRORS * self.error, _ROUNDING / self.intervals)
         return bool(np.isfinite(self.rate) and self.rate < -least)
 
 

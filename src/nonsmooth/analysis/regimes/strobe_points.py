@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from nonsmooth.analysis.statistics.sizes_by_rates import sizes_by_rates
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.runs.whole_turns import cuts_of, folded, periods_of
 from nonsmooth.system.system import System
@@ -31,6 +32,7 @@ class StrobePoints:
     dim: str = "point"
     data: xr.Dataset = field(default_factory=xr.Dataset)
     slow: tuple[str, ...] = ()  # parameters of the dataset that vary from point to point
+    natural: Floats = field(default_factory=lambda: np.zeros(0))  # (d,): natural sizes, or zero
 
 
 def strobe_points(data: Any, variables: Any) -> StrobePoints:
@@ -62,8 +64,21 @@ def strobe_points(data: Any, variables: Any) -> StrobePoints:
     if data.sizes[dim] == 0:
         raise OptionError(f"data: there are no points over {dim}; give a run that has samples")
     values = np.stack([data[name].values.astype(float) for name in names], axis=1)
+    natural = _natural_sizes(data, names, system)
     values = _within_turns(_finite(values, names), names, system)
-    return StrobePoints(values, tuple(names), dim, data, slow)
+    return StrobePoints(values, tuple(names), dim, data, slow, natural)
+
+
+def _natural_sizes(data: xr.Dataset, names: list[str], system: System | None) -> Floats:
+    """Natural sizes of some variables, zero where none is known, as of outputs."""
+    if system is None or not {*system.states, "mode"}.issubset(data):
+        return np.zeros(len(names))
+    states = np.stack([data[name].values.astype(float) for name in system.states], axis=1)
+    if not np.all(np.isfinite(states)):
+        return np.zeros(len(names))
+    sizes = sizes_by_rates(system, states, int(data["mode"].values[-1]))
+    known = dict(zip(system.states, sizes.tolist(), strict=True))
+    return np.array([known.get(name, 0.0) for name in names])
 
 
 def _within_turns(values: Floats, names: list[str], system: System | None) -> Floats:
@@ -96,7 +111,7 @@ def _of_array(data: Any, variables: Any) -> StrobePoints:
         raise OptionError("data: an array without points; give numbers in order, or points as rows")
     values = values.reshape(len(values), -1)
     names = tuple(f"column {k}" for k in range(values.shape[1]))
-    return StrobePoints(_finite(values, list(names)), names)
+    return StrobePoints(_finite(values, list(names)), names, natural=np.zeros(len(names)))
 
 
 def _finite(values: Floats, names: list[str]) -> Floats:
