@@ -424,7 +424,7 @@ def _primitive(
     options: BranchOptions, wanted: OrbitRequest, legs: Legs, beginning: Beginning
 ) -> tuple[BranchOptions, OrbitRequest]:
     """The period of the shorter orbit, where the first turn passes it several times."""
-    if beginning.kind != "orbit" or options.autonomous or options.period == 1:
+    if beginning.kind != "orbit" or options.period == 1:
         return options, wanted
     found = search_orbit(wanted, legs)
     legs.set_values(options.system.parameter_values)
