@@ -47,7 +47,9 @@ def test_branches_pass_once_through_such_a_cycle(period):
     np.testing.assert_allclose(np.abs(branch["multipliers"]).max("multiplier"), exact, rtol=1e-10)
 
 
-@pytest.mark.parametrize("find", [ns.find_orbit, lambda s: ns.orbits(s, samples=1).isel(orbit=0)])
+@pytest.mark.parametrize(
+    "find", [ns.find_orbit, lambda s: ns.orbits(s, samples=1, record=20).isel(orbit=0)]
+)
 def test_one_turn_of_a_cycle_without_events(find):
     # a van der Pol oscillator drives a weakly damped one; its cycle lasts 6.66328686 and the
     # other's perturbations fade by exp(-1.7 z) per unit time, whatever drives it

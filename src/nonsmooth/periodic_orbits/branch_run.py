@@ -305,7 +305,7 @@ class _StretchWalk:
 
     def _needs_new_measures(self, point: Point) -> bool:
         """Whether steps are measured by another size, or the cycle passes its plane too flat."""
-        if self.stretch.outgrown(point.u):
+        if self.stretch.outgrown(point):
             return True
         equations = self.stretch.equations
         self.stretch.set_parameter(point.p)

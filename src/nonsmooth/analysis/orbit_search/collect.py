@@ -23,7 +23,6 @@ from nonsmooth.analysis.orbit_search.motions import (
 )
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import RunError
-from nonsmooth.periodic_orbits.equations import Turn
 from nonsmooth.periodic_orbits.guess import Guess, cycle_guesses, part_of_turn
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import solve_orbit
