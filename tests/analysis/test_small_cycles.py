@@ -45,3 +45,27 @@ def test_a_thermostat_with_a_narrow_band():
     r = branch["r"].values
     exact = np.log((1 - r + h) / (1 - r - h)) + np.log((r + h) / (r - h))
     np.testing.assert_allclose(branch["length"], exact, rtol=1e-11)
+
+
+def test_a_cycle_without_events_that_moves_far_and_shrinks_to_a_point():
+    """A circle of radius 0.01 sqrt(1 - p) about x = 5 + 3 p: its plane goes along with it."""
+    growth = 0.1
+    circle = ns.System(
+        states=["x", "y"],
+        parameters={"p": 0.5},
+        definitions={"X": "x - 5 - 3*p", "g": f"{growth}*(1 - p - (X**2 + y**2)/1e-4)"},
+        equations={"x": "g*X - y", "y": "g*y + X"},
+        initial={"x": 6.5 + 0.01 * np.sqrt(0.5)},
+    )
+    branch = ns.continue_orbit(circle, "p", (0.0, 1.5))
+    assert branch.attrs["end_first"] == "bound" and branch.attrs["end_last"] == "hopf"
+    assert branch.sizes["point"] < 100
+    # 1 - p is as many roundings of x as there are in the radius
+    assert abs(float(branch["p"][-1]) - 1.0) < 1e-12
+    # a radius is known to roundings of x, over the part of it that fades in a turn
+    inner = branch.isel(point=branch["p"].values < 0.99)
+    p = inner["p"].values
+    away = np.hypot(inner["x"].values - 5 - 3 * p, inner["y"].values)
+    np.testing.assert_allclose(away, 0.01 * np.sqrt(1 - p), rtol=1e-8)
+    sizes = np.abs(inner["multipliers"].values[:, 0])
+    np.testing.assert_allclose(sizes, np.exp(-4 * np.pi * growth * (1 - p)), rtol=1e-8)
