@@ -114,11 +114,12 @@ class OrbitEquations:
         return np.asarray(start_rate - self._half_later(turn).end_rates[0])
 
     def _half_later(self, turn: Turn) -> LegResults:
-        """The first half of a smooth cycle; twice, which leaves the results of the turn alone."""
+        """The first half of a smooth cycle; with a leg of no time, for results of one leg stay."""
         word = Word(self.word.modes[:1] * 2, ((),) * 2)
         begins = np.full(2, turn.instants[0])
-        half = begins + 0.5 * (turn.instants[-1] - turn.instants[0])
-        return self.legs.follow_each(word, np.tile(turn.states[0], (2, 1)), begins, half)
+        length = turn.instants[-1] - turn.instants[0]
+        ends = begins + np.array([0.5, 0.0]) * length
+        return self.legs.follow_each(word, np.tile(turn.states[0], (2, 1)), begins, ends)
 
     @property
     def is_smooth_cycle(self) -> bool:
