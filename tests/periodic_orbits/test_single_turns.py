@@ -48,7 +48,7 @@ def test_branches_pass_once_through_such_a_cycle(period):
 
 
 @pytest.mark.parametrize(
-    "find", [ns.find_orbit, lambda s: ns.orbits(s, samples=1, record=20).isel(orbit=0)]
+    "find", [ns.find_orbit, lambda s: ns.orbits(s, samples=1, record=100).isel(orbit=0)]
 )
 def test_one_turn_of_a_cycle_without_events(find):
     # a van der Pol oscillator drives a weakly damped one; its cycle lasts 6.66328686 and the
