@@ -108,6 +108,31 @@ def test_where_the_wall_stands_does_not_matter(wall):
     assert end["multipliers"].values[0].real == pytest.approx(multiplier, rel=1e-5 * (10.0 + wall))
 
 
+def test_a_wall_that_moves_far_with_the_parameter():
+    """Cycles move by many times their size before they shrink: steps keep to both."""
+    system = ns.System(
+        states=["x", "v"],
+        parameters={"c": 1.3, "z": Z, "r": R},
+        definitions={"wall": "100*c"},
+        modes={
+            "flight": ns.Mode(
+                {"x": "v", "v": f"2*z*v - (x - wall - c + {END})"},
+                exits=[ns.Exit("x - wall", reset={"v": "-r*v"}, name="impact")],
+            )
+        },
+    )
+    orbit = ns.find_orbit(system, {"x": 130.1, "v": 0.3})
+    branch = ns.continue_orbit(system, "c", (0.0, 2.0), initial=orbit)
+    assert list(branch["special_kind"].values) == ["boundary_equilibrium", "bound"]
+    assert branch.sizes["point"] < 200
+    assert float(branch["c"][0]) == pytest.approx(END, abs=1e-13)
+    time, multiplier = cycle()
+    apart = branch["c"].values > END + 1e-3  # else roundings of x are more of a cycle
+    assert branch["length"].values[apart] == pytest.approx(time, rel=1e-9)
+    multipliers = branch["multipliers"].values[apart, 0].real
+    assert multipliers == pytest.approx(multiplier, rel=1e-8)
+
+
 CAPACITY, ATTACK, HANDLING, GAIN, DEATH = 5.0, 1.6, 0.7, 0.75, 0.45
 
 

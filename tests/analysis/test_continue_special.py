@@ -106,3 +106,24 @@ def test_bad_input(soft, change, message):
 def test_no_branch():
     with pytest.raises(ns.OptionError, match="give a result of continue_orbit"):
         ns.continue_special(1.0, 0, "omega", (0.8, 0.9))
+
+
+@pytest.mark.slow
+def test_steps_are_counted_in_all_pieces_of_a_curve():
+    # teeth with a gap, in the frequency at which they mesh; fold orbits lift off on the way
+    gear = ns.System(
+        states=["x", "v"],
+        parameters={"k0": 3.8e8, "k1": 9e7, "b": 1e-4, "W": 3e4},
+        period="2*pi/W",
+        initial={"x": 5.5e-5},
+        equations={
+            "x": "v",
+            "v": "(2200 - 480*v - (k0 + k1*cos(W*t))*(x - clip(x, -b/2, b/2)))/0.23",
+        },
+    )
+    branch = ns.continue_orbit(gear, "W", (25000.0, 46000.0), direction="up")
+    fold = number_of(branch, "fold")
+    curve = ns.continue_special(branch, fold, "k1", (1e7, 1.8e8), steps=18, direction="down")
+    assert len(set(curve["word"].values)) == 2
+    assert curve.attrs["message"].startswith("first end: 18 steps were taken")
+    assert curve.sizes["point"] == 20  # the start, and the change of the word

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.periodic_orbits.cycle_plane import on_new_plane
 from periodic_orbits.kinds import KINDS, found_equations
 
 KIND = pytest.mark.parametrize("kind", KINDS)
@@ -25,6 +26,28 @@ def test_derivatives_against_differences(kind):
     """By all unknowns and by a parameter, a little off the orbit, where nothing vanishes."""
     system, options, parameter = KINDS[kind]
     equations, unknowns = found_equations(system, ns.find_orbit(system, **options), parameter)
+    check_derivatives(equations, unknowns, system, parameter)
+
+
+def test_derivatives_of_a_plane_that_goes_along_with_a_cycle():
+    system = ns.System(
+        states=["x", "v"],
+        parameters={"mu": 1.0, "c": 5.0},
+        equations={"x": "v", "v": "mu*(1 - (x - c)**2 - 0.3*(x - c))*v - (x - c)"},
+        initial={"x": 7.0},
+    )
+    orbit = ns.find_orbit(system)
+    equations, unknowns = found_equations(system, orbit, "c")
+    plane = on_new_plane(equations, unknowns)
+    assert abs(plane.evaluate(unknowns)[0][-1]) < 1e-9
+    check_derivatives(plane, unknowns, system, "c")
+    # the cycle about another place, which begins at the same place of it
+    moved = unknowns + np.array([3.0, 0.0, 0.0])
+    plane.legs.set_values(dict(system.parameter_values) | {"c": 8.0})
+    assert np.abs(plane.evaluate(moved)[0]).max() < 1e-9
+
+
+def check_derivatives(equations, unknowns, system, parameter):
     # slaved states follow from the others: their own column says nothing a difference could tell
     rng = np.random.default_rng(3)
     unknowns = unknowns + 1e-4 * rng.standard_normal(unknowns.size)

@@ -94,7 +94,8 @@ def continue_orbit(
         Steps to take at most, either way.
     step : float, optional
         First step in arclength. The width of ``between`` counts as one in it, as do the sizes of
-        the states together.
+        the states together. Where nothing drives the system, so does the place of a cycle; its
+        shape counts as one by how much the states vary along it.
     largest_step : float, optional
         Largest step in arclength.
     smallest_step : float, optional
@@ -424,7 +425,7 @@ def _primitive(
     options: BranchOptions, wanted: OrbitRequest, legs: Legs, beginning: Beginning
 ) -> tuple[BranchOptions, OrbitRequest]:
     """The period of the shorter orbit, where the first turn passes it several times."""
-    if beginning.kind != "orbit" or options.autonomous or options.period == 1:
+    if beginning.kind != "orbit" or options.period == 1:
         return options, wanted
     found = search_orbit(wanted, legs)
     legs.set_values(options.system.parameter_values)

@@ -42,7 +42,8 @@ def find_orbit(
         without it. A point of another orbit is one.
     period : int, optional
         Periods of the forcing in one turn; those of an orbit given as ``initial``. Where nothing
-        drives the system, turns of the cycle.
+        drives the system, turns of the cycle: one, however often the motion passes around it
+        before it comes back near to where it was.
     word : str or sequence of str, optional
         Modes of one turn in order, as `phase_word` gives them, for an orbit that no motion
         follows: ``"no_contact contact progression contact no_contact"``. It ends in the mode in

@@ -188,8 +188,8 @@ class Branch(Iterator[Point]):
         ``"singular"`` or ``"stopped"``.
     message : str
         The same in a sentence, with what to try.
-    refused : int
-        Steps that were halved.
+    taken, refused : int
+        Steps that were taken so far, and those that were halved.
 
     See Also
     --------
@@ -206,7 +206,7 @@ class Branch(Iterator[Point]):
 
     def __init__(self, corrector: Corrector, options: Options, first: Node) -> None:
         self.ended = self.message = ""
-        self.refused = 0
+        self.taken = self.refused = 0
         self._corrector, self._options = corrector, options
         self._observer = Observer(corrector, options)
         self._last_arclength = 0.0
@@ -264,6 +264,7 @@ class Branch(Iterator[Point]):
                 done = self._advance(node, self._origin, step)
             except Refused as refusal:
                 return self._end(refusal.ending, node, str(refusal))
+            self.taken += 1
             for mark in done.marks:
                 yield self._point(mark.node, mark.name)
                 if mark.last:

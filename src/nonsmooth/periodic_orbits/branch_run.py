@@ -25,6 +25,7 @@ from nonsmooth.periodic_orbits.branch_part import (
 from nonsmooth.periodic_orbits.branch_start import tangent_at
 from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word, what_of
 from nonsmooth.periodic_orbits.cycle_end import (
+    NEARLY,
     NOTHING,
     boundary_of_cycles,
     end_of_cycles,
@@ -140,7 +141,7 @@ class _StretchWalk:
                 return
         if branch.ended in ("smallest_step", "singular"):
             yield from self._past_end()
-            if self.following is not None:
+            if self.following is not None or self.ended is not None:
                 return
         if branch.ended != "steps":
             message = ending_of_orbits(branch.ended, branch.message, name, point.p)
@@ -152,10 +153,20 @@ class _StretchWalk:
         return self._unclear > _UNCLEAR
 
     def _past_end(self) -> Iterator[BranchPart]:
-        """The change just before which no step succeeds, since a leg that vanishes spoils it."""
+        """What is just ahead where no step succeeds.
+
+        A change of the word, since a leg that vanishes spoils the step; or the rest of cycles that
+        move as they shrink: rounding of the parameter then moves them by much of their size.
+        """
         if self._stands is None:
             return
         point, looked = self._stands
+        if self.stretch.equations.is_smooth_cycle and self._is_nothing(point, NEARLY):
+            rest = self._end_of(point)
+            if rest is not None:
+                self.ended = end_at("shrink", looked, self.stretch)
+                yield self._at_rest(*rest)
+                return
         close = {
             name: value
             for name, value in looked.tests.items()
@@ -305,7 +316,7 @@ class _StretchWalk:
 
     def _needs_new_measures(self, point: Point) -> bool:
         """Whether steps are measured by another size, or the cycle passes its plane too flat."""
-        if self.stretch.outgrown(point.u):
+        if self.stretch.outgrown(point):
             return True
         equations = self.stretch.equations
         self.stretch.set_parameter(point.p)
@@ -340,10 +351,10 @@ class _StretchWalk:
         found = [self.stretch.look(replace(point, u=each)) for each in smaller]
         return all(each.admissibility.admissible and not broken_tests(each) for each in found)
 
-    def _is_nothing(self, point: Point) -> bool:
+    def _is_nothing(self, point: Point, below: float = NOTHING) -> bool:
         """Whether a cycle has shrunk to a point."""
         self.stretch.set_parameter(point.p)
-        return is_nothing(self.stretch.equations, point.u, self.first)
+        return is_nothing(self.stretch.equations, point.u, self.first, below)
 
     def _shrunk(self, point: Point, looked: Looked) -> BranchPart:
         """The point to which cycles shrink: the rest there, or the last cycle if none is found."""

@@ -329,7 +329,7 @@ class BranchTests:
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
         if equations.is_smooth_cycle:
-            tests["shrink"] = equations.forwards(found)
+            tests["shrink"] = equations.forwards(turn, found)
         return self._with_margins(tests, sizes)
 
     def _with_margins(

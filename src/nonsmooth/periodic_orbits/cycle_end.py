@@ -25,11 +25,19 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.word import Word
 
-__all__ = ["NOTHING", "boundary_of_cycles", "end_of_cycles", "is_nothing", "smaller_cycles"]
+__all__ = [
+    "NEARLY",
+    "NOTHING",
+    "boundary_of_cycles",
+    "end_of_cycles",
+    "is_nothing",
+    "smaller_cycles",
+]
 
 Floats = npt.NDArray[np.float64]
 
 NOTHING = 1e-5  # of the spread of the first orbit
+NEARLY = 1e-2  # the same where steps fail, as where rounding moves a cycle by much of its size
 _ROUNDINGS = 1e3 * float(np.finfo(float).eps)  # of a cycle, beside the states along it
 _DIGITS = 1e-7  # of a cycle with events, to which it is known at least
 _SMALLER = (0.5, 0.1, 1e-2, 1e-3)  # sizes of cycles that are looked at beside one
@@ -42,7 +50,9 @@ _ASIDE = 1e-6  # of the range of the parameter, to begin with
 _FAR = 1e-3  # of the range of the parameter: farther away it is not the end of these cycles
 
 
-def is_nothing(equations: OrbitEquations, unknowns: Floats, first: Floats) -> bool:
+def is_nothing(
+    equations: OrbitEquations, unknowns: Floats, first: Floats, below: float = NOTHING
+) -> bool:
     """Whether a cycle has shrunk to next to nothing beside the first orbit.
 
     ``first`` is the spread of each state of that, (n,).
@@ -53,7 +63,7 @@ def is_nothing(equations: OrbitEquations, unknowns: Floats, first: Floats) -> bo
     states = (states_of_cycle if smooth else _states_with_events)(equations, unknowns)
     share = float((np.ptp(states, axis=0) / first).max())
     rounding = _ROUNDINGS * float((np.abs(states).max(axis=0) / first).max())
-    return share <= NOTHING or (share**3 if smooth else _DIGITS * share) <= rounding
+    return share <= below or (share**3 if smooth else _DIGITS * share) <= rounding
 
 
 def smaller_cycles(equations: OrbitEquations, unknowns: Floats) -> list[Floats]:

@@ -1,9 +1,11 @@
 """The plane on which a cycle without events begins, and how it moves along a branch.
 
 A plane that stays where it is loses a cycle that moves away from it: the cycle touches the plane,
-and beyond passes it nowhere, although nothing has happened to the cycle. So the plane is laid anew
-through the orbit wherever the flow passes it at a flat angle. It holds the middle of the cycle too,
-so that a cycle which shrinks to a point does so within its plane.
+and beyond passes it nowhere, although nothing has happened to the cycle. So it goes along: it says
+how far the start of the cycle is ahead of the state half a turn later, in one direction. Along a
+cycle that number changes its sign after half a turn, so every cycle begins on such a plane. Through
+both states, it holds what a cycle shrinks to. Where the flow passes a plane at a flat angle, it is
+laid anew through the orbit.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.newton import scale_of, solve_orbit
 from nonsmooth.periodic_orbits.word import Word
 
@@ -57,20 +59,38 @@ def spread_of(states: Floats) -> Floats:
 
 
 def on_new_plane(equations: OrbitEquations, unknowns: Floats) -> OrbitEquations:
-    """The equations of a cycle with the plane through its first state and its middle.
+    """The equations of a cycle with a plane through its first state and that half a turn later.
 
-    Lengths are measured by how much each state varies, so that units do not matter.
+    The plane goes along with the cycle. Of one that comes back whole turns of an angle later, or
+    passes it too flat, it goes through the middle and stays where it is. Lengths are measured by
+    how much each state varies, so that units do not matter.
     """
     states = states_of_cycle(equations, unknowns)
     spread = spread_of(states)
     turn = equations.unpack(unknowns)
-    found = equations.legs.follow(equations.word, turn.states, turn.instants)
-    flow = np.where(equations.drifting, 0.0, found.start_rates[0]) / spread
-    away = (states[0] - states.mean(axis=0)) / spread
-    normal = flow - (flow @ away) / max(float(away @ away), 1e-300) * away
-    if np.linalg.norm(normal) < _ACROSS * np.linalg.norm(flow):
-        normal = flow
+    if not np.any(equations.angle_periods > 0.0):
+        half_later = states[_PLACES // 2]
+        goes_along = equations.across(turn.states[0], np.ones_like(spread), half_later)
+        flow = _flow(goes_along, turn) / spread
+        normal = _across(flow, (states[0] - half_later) / spread)
+        if float(flow @ normal) >= _FLAT * float(np.linalg.norm(flow) * np.linalg.norm(normal)):
+            return equations.across(turn.states[0], normal / spread, half_later)
+    stays = equations.across(turn.states[0], np.ones_like(spread))
+    normal = _across(_flow(stays, turn) / spread, (states[0] - states.mean(axis=0)) / spread)
     return equations.across(turn.states[0], normal / spread)
+
+
+def _flow(equations: OrbitEquations, turn: Turn) -> Floats:
+    """Rates at which the start of a cycle passes its plane, drifts left out, (n,)."""
+    found = equations.legs.follow(equations.word, turn.states, turn.instants)
+    rates = equations.passing(turn, found.start_rates[0].copy())
+    return np.where(equations.drifting, 0.0, rates)
+
+
+def _across(flow: Floats, away: Floats) -> Floats:
+    """The normal nearest to a flow of a plane that holds a direction, if that is not the flow's."""
+    normal = flow - (flow @ away) / max(float(away @ away), 1e-300) * away
+    return flow if np.linalg.norm(normal) < _ACROSS * np.linalg.norm(flow) else normal
 
 
 def on_plane_of(
@@ -83,7 +103,7 @@ def on_plane_of(
     """
     assert equations.reference is not None  # every plane is laid through one
     states = states_of_cycle(other, unknowns)
-    height = (states - equations.reference) @ equations.normal
+    height = equations.heights(states)
     behind = np.roll(height, -1)
     passes = np.flatnonzero((height <= 0.0) & (behind > 0.0))
     if not passes.size:
@@ -100,9 +120,7 @@ def is_flat(equations: OrbitEquations, unknowns: Floats) -> bool:
     """Whether the flow passes the plane of a cycle at a flat angle."""
     states = states_of_cycle(equations, unknowns)
     spread = spread_of(states)
-    turn = equations.unpack(unknowns)
-    found = equations.legs.follow(equations.word, turn.states, turn.instants)
-    flow = np.where(equations.drifting, 0.0, found.start_rates[0]) / spread
+    flow = _flow(equations, equations.unpack(unknowns)) / spread
     normal = equations.normal * spread
     size = float(np.linalg.norm(flow) * np.linalg.norm(normal))
     return float(flow @ normal) < _FLAT * size

@@ -45,8 +45,8 @@ class OrbitEquations:
 
     A driven orbit begins at ``phase`` (part of the period) and lasts ``period`` periods. One of an
     autonomous system begins and ends at an event; where there is none, at the plane through
-    ``reference`` across the flow there. Values of drifting states at the start are those of
-    ``origin``.
+    ``reference`` across the flow there, or at one that goes along with the cycle (`across`). Values
+    of drifting states at the start are those of ``origin``.
     """
 
     def __init__(
@@ -74,6 +74,7 @@ class OrbitEquations:
         self.size = self._count * n + self.n_instants
         self._across = np.zeros(n)  # normal of the plane at the reference
         self._speed = 0.0  # of the flow there
+        self._ahead: float | None = None  # height of a plane that goes along, else it stays
         self.results: LegResults | None = None
 
     def of_word(self, word: Word, origin: Floats) -> OrbitEquations:
@@ -83,12 +84,42 @@ class OrbitEquations:
             origin=origin, reference=np.array(origin),
         )  # fmt: skip
 
-    def across(self, reference: Floats, normal: Floats) -> OrbitEquations:
-        """The same for a cycle without events that begins on another plane."""
+    def across(
+        self, reference: Floats, normal: Floats, half_later: Floats | None = None
+    ) -> OrbitEquations:
+        """The same for a cycle without events that begins on another plane.
+
+        With the state half a turn later the plane goes along with the cycle: its start is as far
+        ahead of its own state half a turn later as it is at the reference.
+        """
         other = self.of_word(self.word, reference)
         other.origin = self.origin
         other._across = normal / max(float(np.linalg.norm(normal)), 1e-300)
+        if half_later is not None:
+            other._ahead = float(other._across @ (reference - half_later))
         return other
+
+    def heights(self, states: Floats) -> Floats:
+        """How far ahead of its plane a cycle is, at an even number of places after equal times."""
+        assert self.reference is not None
+        if self._ahead is None:
+            return np.asarray((states - self.reference) @ self._across)
+        half_later = np.roll(states, -(len(states) // 2), axis=0)
+        return np.asarray((states - half_later) @ self._across - self._ahead)
+
+    def passing(self, turn: Turn, start_rate: Floats) -> Floats:
+        """The rate at which the start of a smooth cycle passes its plane, (n,)."""
+        if self._ahead is None:
+            return start_rate
+        return np.asarray(start_rate - self._half_later(turn).end_rates[0])
+
+    def _half_later(self, turn: Turn) -> LegResults:
+        """The first half of a smooth cycle; with a leg of no time, for results of one leg stay."""
+        word = Word(self.word.modes[:1] * 2, ((),) * 2)
+        begins = np.full(2, turn.instants[0])
+        length = turn.instants[-1] - turn.instants[0]
+        ends = begins + np.array([0.5, 0.0]) * length
+        return self.legs.follow_each(word, np.tile(turn.states[0], (2, 1)), begins, ends)
 
     @property
     def is_smooth_cycle(self) -> bool:
@@ -169,9 +200,9 @@ class OrbitEquations:
         names = self.legs.system.states
         return {names[i]: float(change[i]) for i in np.flatnonzero(grows).tolist()}
 
-    def forwards(self, found: LegResults) -> float:
+    def forwards(self, turn: Turn, found: LegResults) -> float:
         """How fast a smooth cycle passes its plane, beside how fast it did at first."""
-        speed = float(self._across @ found.start_rates[0])
+        speed = float(self._across @ self.passing(turn, found.start_rates[0]))
         return speed / self._speed if self._speed > 0.0 else 1.0
 
     def carried(self, change: Floats) -> Floats:
@@ -205,11 +236,21 @@ class OrbitEquations:
     ) -> None:
         """Without any event, the orbit begins on a plane across the flow."""
         assert self.results is not None and self.reference is not None
+        n, rate = self.legs.n, self.results.start_rates[0]
         if not self._across.any():
-            self._across = np.where(self.drifting, 0.0, self.results.start_rates[0])
+            self._across = np.where(self.drifting, 0.0, rate)
             self._across /= max(float(np.linalg.norm(self._across)), 1e-300)
-        if self._speed == 0.0:
-            self._speed = max(float(self._across @ self.results.start_rates[0]), 1e-300)
-        residual[-1] = self._across @ (turn.states[0] - self.reference)
         jacobian[-1], moved[-1] = 0.0, 0.0
-        jacobian[-1, : self.legs.n] = self._across
+        jacobian[-1, :n] = self._across
+        if self._ahead is None:
+            speed = float(self._across @ rate)
+            residual[-1] = self._across @ (turn.states[0] - self.reference)
+        else:
+            half = self._half_later(turn)
+            speed = float(self._across @ (rate - half.end_rates[0]))
+            residual[-1] = self._across @ (turn.states[0] - half.ends[0]) - self._ahead
+            jacobian[-1, :n] -= half.flow[0, :n] @ self._across
+            jacobian[-1, n] = -0.5 * float(self._across @ half.end_rates[0])
+            moved[-1] = -half.flow[0, n:] @ self._across
+        if self._speed == 0.0:
+            self._speed = max(speed, 1e-300)

@@ -30,6 +30,7 @@ __all__ = [
     "driven_guess",
     "from_nearest_strobe",
     "guesses_in_motion",
+    "part_of_turn",
     "random_guesses",
     "strobe_of_start",
 ]
@@ -52,6 +53,18 @@ class Guess(NamedTuple):
 
     word: Word
     turn: Turn
+
+
+def part_of_turn(word: Word, turn: Turn, parts: int) -> Guess:
+    """The first of so many equal parts of a turn: the shorter orbit that the turn repeats."""
+    length = float(turn.instants[-1] - turn.instants[0]) / parts
+    count = word.n_events // parts
+    if word.closes_at_event:
+        short = Word(word.modes[:count], word.paths[:count])
+        return Guess(short, Turn(turn.states[:count].copy(), turn.instants[: count + 1].copy()))
+    short = Word(word.modes[: count + 1], (*word.paths[:count], ()))
+    instants = np.append(turn.instants[: count + 1], turn.instants[0] + length)
+    return Guess(short, Turn(turn.states[: count + 1].copy(), instants))
 
 
 def driven_guess(
@@ -194,7 +207,8 @@ def cycle_guesses(
     """Legs of a motion from an event to its nearest return, or around a smooth cycle.
 
     ``transient`` counts windows. Guesses of short cycles come first; none where the motion does not
-    come back.
+    come back. A motion that decays slowly while it turns about its cycle is nearest to where it was
+    after many turns; the shorter returns of such a motion come last.
     """
     tables = build_tables(system)
     start = resolve_start(system, tables, initial, mode=mode)
@@ -206,9 +220,7 @@ def cycle_guesses(
         plan, step = _plan(tables.window, samples, period, begin, start, transient)
         outcome = _run_for_guess(system, tables, start, plan, tolerance)
         found = _between_events(system, outcome, begin, open_states, period, final)
-        found = found or _around(outcome, open_states, period, step, final)
-        if found is not None:
-            yield found
+        yield from found or _around(outcome, open_states, period, step, final)
 
 
 def _plan(
@@ -263,62 +275,71 @@ def _is_resolved(outcome: Outcome, open_states: _OpenStates) -> bool:
 def _between_events(
     system: System, outcome: Outcome, begin: int, open_states: _OpenStates, period: int,
     final: bool,
-) -> Guess | None:  # fmt: skip
-    """From an event to a return of the same kind, the first that is near; at last the nearest."""
+) -> list[Guess]:  # fmt: skip
+    """From an event to returns of the same kind, as `_returns` chooses them."""
     window, rows = outcome.window, outcome.events
     keep = (rows["number"] >= begin) & ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
     rows, states = rows[keep][:_MOST_EVENTS], outcome.event_states[keep, 1][:_MOST_EVENTS]
     if len(rows) < 2:
-        return None
+        return []
     times = (rows["number"] - begin) * window + rows["phase"]
     kinds = columns(rows, "from_mode", "path", "to_mode")
     same = np.all(kinds == kinds[0], axis=1)
     spread = np.maximum(open_states.spread(outcome.records.sample_state), 1e-12)
     apart = (np.abs(open_states.apart(states, states[0])) / spread).max(axis=1)
     returns = np.flatnonzero(same)[1:]
-    for near in _NEAR:
-        if np.any(apart[returns] <= near):
-            turn = int(returns[apart[returns] <= near][0])
-            break
-    else:
-        if returns.size == 0 or not final:
-            return None
-        turn = int(returns[np.argmin(apart[returns])])
-    last = min(turn * period, len(rows) - 1)
-    paths = [path_of_bits(int(r["path"]), int(r["passes"])) for r in rows[1 : last + 1]]
-    if any(path is None for path in paths):
-        return None
-    modes = tuple(int(m) for m in rows["to_mode"][:last])
-    word = Word(modes, tuple(path for path in paths if path is not None))
-    return Guess(word, Turn(states[:last].copy(), times[: last + 1] - times[0]))
+    found = []
+    for turn in returns[_returns(apart[returns], _NEAR, final)].tolist():
+        last = min(turn * period, len(rows) - 1)
+        paths = [path_of_bits(int(r["path"]), int(r["passes"])) for r in rows[1 : last + 1]]
+        if any(path is None for path in paths):
+            continue
+        modes = tuple(int(m) for m in rows["to_mode"][:last])
+        word = Word(modes, tuple(path for path in paths if path is not None))
+        found.append(Guess(word, Turn(states[:last].copy(), times[: last + 1] - times[0])))
+    return found
+
+
+def _returns(apart: Floats, limits: tuple[float, ...], final: bool) -> npt.NDArray[np.intp]:
+    """Which of some returns to try: the first that is near, by the closest limit that one meets.
+
+    At last the nearest, if none is; and behind that the shorter ones, each of which is nearer than
+    all before it.
+    """
+    chosen = next((k for near in limits for k in np.flatnonzero(apart <= near)[:1]), None)
+    if not apart.size or not (final or chosen is not None):
+        return np.zeros(0, np.intp)
+    first = int(np.argmin(apart)) if chosen is None else int(chosen)
+    if not final:
+        return np.array([first])
+    before = np.minimum.accumulate(np.append(np.inf, apart))[:first]
+    return np.append(first, np.flatnonzero(apart[:first] < before))
 
 
 def _around(
     outcome: Outcome, open_states: _OpenStates, period: int, step: float, final: bool
-) -> Guess | None:
-    """Once around a cycle without events, from its first sample."""
+) -> list[Guess]:
+    """Around a cycle without events, from its first sample; to crossings that `_returns` chooses.
+
+    They are those of the plane across the flow at that sample.
+    """
     states = open_states.without_drifts(outcome.records.sample_state)
     spread = open_states.spread(states)
     at_rest = not np.any(spread > 1e-9 * (np.abs(states).max(axis=0) + 1e-12))
     if at_rest or not _is_resolved(outcome, open_states):
-        return None
+        return []
     scaled = open_states.apart(states, states[0]) / np.where(spread > 0.0, spread, 1.0)
     forward = scaled @ (scaled[1] - scaled[0])
     crossings = np.flatnonzero((forward[1:-1] < 0.0) & (forward[2:] >= 0.0)) + 2
-    if crossings.size == 0:
-        return None
-    # between samples, on the plane across the flow at the first one
+    # between samples
     part = forward[crossings] / (forward[crossings] - forward[crossings - 1])
     before, behind = scaled[crossings - 1], scaled[crossings]
     apart = np.abs(behind + part[:, None] * (before - behind)).max(axis=1)
-    near = np.flatnonzero(apart <= _NEAR[-1])
-    if not (near.size or final):
-        return None
-    k = int(near[0]) if near.size else int(np.argmin(apart))
-    length = (crossings[k] - part[k]) * step * period
     word = Word((int(outcome.records.sample_mode[0]),), ((),))
     first = outcome.records.sample_state[:1].copy()
-    return Guess(word, Turn(first, np.array([0.0, length])))
+    chosen = _returns(apart, _NEAR[-1:], final)
+    lengths = (crossings[chosen] - part[chosen]) * step * period
+    return [Guess(word, Turn(first, np.array([0.0, length]))) for length in lengths]
 
 
 def guesses_in_motion(

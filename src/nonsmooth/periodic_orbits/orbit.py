@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.periodic_orbits.admissibility import Admissibility, check_admissible
+from nonsmooth.periodic_orbits.cycle_plane import spread_of
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet
 from nonsmooth.periodic_orbits.newton import AT_ZERO, Solution
@@ -23,6 +24,8 @@ __all__ = ["Orbit", "OrbitRequest", "OrbitResult", "make_orbit", "primitive_part
 Floats = npt.NDArray[np.float64]
 
 _NEUTRAL = 1e-10  # distance from the unit circle that rounding may make
+_MOST_TURNS = 1200  # of a cycle: as many as its guess can have
+_PRIMES = np.array([k for k in range(2, _MOST_TURNS) if all(k % d for d in range(2, k))])
 _SAME = 1e-7  # part of the size of a state within which parts of an orbit are the same
 
 
@@ -115,6 +118,8 @@ def make_orbit(
 def primitive_parts(equations: OrbitEquations, turn: Turn, within: float = _SAME) -> int:
     """How many times a turn passes through the same shorter orbit, or nearly the same one."""
     word, count = equations.word, equations.word.n_events
+    if equations.is_smooth_cycle:
+        return _turns_of_cycle(equations, turn, within)
     if not equations.autonomous:
         parts = [d for d in range(equations.period, 1, -1) if equations.period % d == 0]
     else:
@@ -151,8 +156,34 @@ def primitive_parts(equations: OrbitEquations, turn: Turn, within: float = _SAME
 
 def _repeats_smoothly(equations: OrbitEquations, turn: Turn, part: int, off: Floats) -> bool:
     """Whether an orbit without events is back where it began after a part of its turn."""
-    begin = turn.instants[:1]
-    end = begin + (turn.instants[-1:] - begin) / part
-    found = equations.legs.follow_each(equations.word, turn.states, begin, end)
-    gap = found.ends[0] - turn.states[0]
-    return bool(np.all(np.abs(gap - equations.carried(gap)) <= off))
+    return bool(np.all(_gaps_after(equations, turn, np.array([part]))[0] <= off))
+
+
+def _gaps_after(equations: OrbitEquations, turn: Turn, parts: npt.NDArray[np.int64]) -> Floats:
+    """How far an orbit without events is from where it began after some parts of its turn, (K, n).
+
+    A part of 3 is a third of the turn.
+    """
+    begins = np.full(parts.size, turn.instants[0])
+    ends = begins + (turn.instants[-1] - turn.instants[0]) / parts
+    word = Word(equations.word.modes[:1] * parts.size, ((),) * parts.size)
+    states = np.tile(turn.states[0], (parts.size, 1))
+    gaps = equations.legs.follow_each(word, states, begins, ends).ends - turn.states[0]
+    return np.abs([gap - equations.carried(gap) for gap in gaps])
+
+
+def _turns_of_cycle(equations: OrbitEquations, turn: Turn, within: float) -> int:
+    """How often a cycle without events passes where it began, beside by how much it varies.
+
+    It is back after each part of the turn whose number divides this one: the parts of all primes
+    take little longer to look at than the turn itself, and together they are all around it.
+    """
+    gaps = _gaps_after(equations, turn, _PRIMES)
+    off = within * spread_of(np.vstack([np.zeros(gaps.shape[1]), gaps]))
+    parts = 1
+    for prime in _PRIMES[np.all(gaps <= off, axis=1)].tolist():
+        while _repeats_smoothly(equations, turn, parts * prime, off):
+            parts *= prime
+            if parts > _MOST_TURNS:
+                return 1  # it does not move
+    return parts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice
@@ -19,6 +20,7 @@ from nonsmooth.periodic_orbits.guess import (
     driven_guess,
     from_nearest_strobe,
     guesses_in_motion,
+    part_of_turn,
     random_guesses,
     strobe_of_start,
 )
@@ -70,7 +72,7 @@ def search_orbit(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
         return _search_word(wanted, legs)
     known = _from_orbit(wanted, legs)
     if known is not None and known.status == "completed":
-        return known
+        return _passed_once(wanted, legs, known)
     found = OrbitResult(
         None, None, "no_orbit",
         "the motion does not come back to where it was: it rests, or its cycle is longer than"
@@ -83,12 +85,28 @@ def search_orbit(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
             best = _better(best, found)
             if found.status == "completed":
                 break
-        found = best or found
+        found = _passed_once(wanted, legs, best or found)
         if found.orbit is not None:
             found = _near_start(wanted, legs, found)
     except RunError as fault:
         return known or OrbitResult(None, None, fault.status or "no_orbit", str(fault))
     return known if known is not None and found.orbit is None else found
+
+
+def _passed_once(wanted: OrbitRequest, legs: Legs, found: OrbitResult) -> OrbitResult:
+    """The orbit without more turns than are wanted, where nothing drives the system.
+
+    A motion that decays slowly while it turns about its cycle comes back nearest after many turns,
+    from where Newton's method leads to the cycle, passed as often.
+    """
+    orbit = found.orbit
+    if orbit is None or not orbit.autonomous:
+        return found
+    more = orbit.primitive // math.gcd(orbit.primitive, wanted.period)
+    if more == 1:
+        return found
+    shorter = solve_guess(wanted, legs, part_of_turn(orbit.word, orbit.turn, more))
+    return shorter if shorter.status == found.status else found
 
 
 def _near_start(wanted: OrbitRequest, legs: Legs, found: OrbitResult) -> OrbitResult:

@@ -77,6 +77,7 @@ class SpecialCurve:
     parts: list[BranchPart] = field(default_factory=list)
     ended: str = ""
     message: str = ""
+    _taken: int = 0  # steps, in all pieces
 
     def follow(self, guess: Guess, test: str, way: int) -> None:
         """Points in one direction of the second parameter, until the curve ends."""
@@ -104,13 +105,14 @@ class SpecialCurve:
     def _follow_piece(self, piece: CurvePiece, way: int) -> CurvePiece | None:
         """Points with one word; the piece with the next one, None where the curve has ended."""
         along = abs(self.parts[-1].arclength) if self.parts else 0.0
-        left = self.asked.options.steps - self._steps_done()
+        left = self.asked.options.steps - self._taken
         if left <= 0 and self.parts:
-            steps = self.asked.options.steps
-            self.ended, self.message = "steps", f"{steps} steps were taken; allow more with steps="
+            self.ended, self.message = "steps", self._used_up()
             return None
         curve = piece.condition.curve(piece.start, left)
+        before = self._taken
         for point, part in self._points(piece, curve, along):
+            self._taken = before + curve.taken
             self.parts.append(replace(part, arclength=way * part.arclength))
             if is_of_word(part.test):
                 return self._behind(piece.condition, point, self.parts[-1])
@@ -130,8 +132,14 @@ class SpecialCurve:
             return False
         return primitive_parts(condition.equations, self.parts[-1].looked.turn, _NEARLY) > 1
 
-    def _steps_done(self) -> int:
-        return sum(not part.special for part in self.parts)
+    def _used_up(self) -> str:
+        """How many steps were taken in all pieces, and where they have led."""
+        p, q = self._place(self.parts[-1])
+        return (
+            f"{self.asked.options.steps} steps were taken, which is all that steps= allows, up to"
+            f" {self.asked.options.parameter} = {q:.10g}, {self.asked.first} = {p:.10g}; allow more"
+            " with steps=, or longer ones with largest_step="
+        )
 
     def _points(
         self, piece: CurvePiece, curve: Branch, along: float
@@ -268,6 +276,8 @@ class SpecialCurve:
 
     def _why(self, curve: Branch) -> str:
         """Why the curve ends at the last point, by the names of both parameters."""
+        if curve.ended == "steps":
+            return self._used_up()
         parameter = self.asked.options.parameter
         p, q = map(float, self._place(self.parts[-1]))
         if curve.ended == "bound" and p in self.asked.first_bounds:

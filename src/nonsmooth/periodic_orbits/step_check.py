@@ -57,6 +57,8 @@ class StepCheck:
         if not self._stand(points, looked, end):
             return length <= (_FIRST * self._stretch.options.step if self._new else least)
         self._new = False
+        if length > least and self._stretch.changes_too_much(points[0], points[end]):
+            return False
         low, high = self._stretch.options.bounds
         if not is_explained(points[: end + 1], looked[: end + 1], high - low):
             if length > least:

@@ -20,8 +20,9 @@ from nonsmooth.periodic_orbits.branch_tests import (
     what_of,
 )
 from nonsmooth.periodic_orbits.cycle_plane import spread_of, spread_of_cycle
+from nonsmooth.periodic_orbits.cycle_size import scale_of_cycle, size_of_cycle
 from nonsmooth.periodic_orbits.equations import OrbitEquations
-from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.trail import Trail
 from nonsmooth.system.system import System
@@ -31,6 +32,7 @@ __all__ = ["BranchOptions", "BranchStart", "BranchStretch", "scale_along", "spre
 Floats = npt.NDArray[np.float64]
 
 _OUTGROWN = 2.0  # times the size at the start of a stretch
+_FARTHEST = 2.0  # times the largest step that a cycle may change by both of its measures
 _ALWAYS = ("leg", "short")  # changes of the word behind which its equations mean nothing
 
 
@@ -84,6 +86,7 @@ class BranchStretch:
         self.options, self.legs, self.equations = options, legs, equations
         self.tests = BranchTests(equations, options.tolerance, grows=grows)
         self.scale = np.ones(equations.size)
+        self._is_small = False  # a cycle beside the states that it lies at
         self._values = legs.values.copy()
         self.place = list(legs.system.parameters).index(options.parameter)
 
@@ -121,17 +124,40 @@ class BranchStretch:
         low, high = self.options.bounds
         self.trail.add(self.equations.word, point, self.scale, high - low)
 
-    def outgrown(self, unknowns: Floats) -> bool:
+    def outgrown(self, point: Point) -> bool:
         """Whether an orbit has another size than that by which steps are measured."""
         n_states = len(self.equations.word) * self.legs.n
-        share = self._scale_of(unknowns)[:n_states] / self.scale[:n_states]
+        scale = self._scale_of(point.u, point.p, (point.tangent_u, point.tangent_p))
+        share = scale[:n_states] / self.scale[:n_states]
         return bool(share.max() > _OUTGROWN or share.max() < 1.0 / _OUTGROWN)
 
-    def _scale_of(self, unknowns: Floats) -> Floats:
+    def changes_too_much(self, first: Point, last: Point) -> bool:
+        """Whether a step changes a cycle more than both of its measures allow.
+
+        Steps are measured by what changed where the stretch began, which may turn on the way.
+        """
+        if not self._is_small:
+            return False
+        try:
+            self.set_parameter(first.p)
+            before = size_of_cycle(self.equations, first.u)
+            self.set_parameter(last.p)
+            place, form = before.change_to(size_of_cycle(self.equations, last.u))
+        except LegError:
+            return False
+        change = np.sqrt(np.mean(place**2 + form**2))
+        return bool(change > _FARTHEST * self.options.largest_step)
+
+    def _scale_of(self, unknowns: Floats, value: float, direction: tuple[Floats, float]) -> Floats:
+        """What counts as large for each unknown, for an orbit and the direction of the branch."""
         scale, count = scale_along(self.equations, unknowns), len(self.equations.word)
-        scale[: count * self.legs.n] = np.maximum(
-            scale[: count * self.legs.n], np.tile(self.least, count)
-        )
+        states = slice(0, count * self.legs.n)
+        if self.equations.autonomous:
+            found = scale_of_cycle(
+                self.equations, unknowns, value, direction, self.options.bounds, self.set_parameter
+            )
+            scale[states] = np.tile(found, count)
+        scale[states] = np.maximum(scale[states], np.tile(self.least, count))
         return scale
 
     def branch(
@@ -144,7 +170,9 @@ class BranchStretch:
         """
         low, high = self.options.bounds
         self.set_parameter(start.value)
-        self.scale = self._scale_of(start.unknowns)
+        self.scale = self._scale_of(start.unknowns, start.value, start.direction)
+        spread = scale_along(self.equations, start.unknowns)
+        self._is_small = self.equations.autonomous and not np.array_equal(spread, self.scale)
         branch = follow(
             self.residual, start.unknowns, start.value, direction=start.direction,
             step=self.options.step, smallest_step=self.options.smallest_step,

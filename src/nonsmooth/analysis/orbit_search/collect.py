@@ -23,8 +23,7 @@ from nonsmooth.analysis.orbit_search.motions import (
 )
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import RunError
-from nonsmooth.periodic_orbits.equations import Turn
-from nonsmooth.periodic_orbits.guess import Guess, cycle_guesses
+from nonsmooth.periodic_orbits.guess import Guess, cycle_guesses, part_of_turn
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest
@@ -226,26 +225,14 @@ class _Collection:
             orbit = solve_guess(wanted, self.legs, near).orbit
             while orbit is not None and orbit.primitive > 1:
                 shorter = replace(wanted, period=max(wanted.period // orbit.primitive, 1))
-                orbit = solve_guess(shorter, self.legs, primitive_guess(orbit)).orbit
+                near = part_of_turn(orbit.word, orbit.turn, orbit.primitive)
+                orbit = solve_guess(shorter, self.legs, near).orbit
                 wanted = shorter
         except LegError:
             return None
         if orbit is None or self.driven:
             return orbit
         return replace(orbit, period=turns_of(orbit))
-
-
-def primitive_guess(orbit: Orbit) -> Guess:
-    """The shorter orbit that a turn repeats."""
-    word, turn, parts = orbit.word, orbit.turn, orbit.primitive
-    length = orbit.length / parts
-    count = word.n_events // parts
-    if word.closes_at_event:
-        short = Word(word.modes[:count], word.paths[:count])
-        return Guess(short, Turn(turn.states[:count].copy(), turn.instants[: count + 1].copy()))
-    short = Word(word.modes[: count + 1], (*word.paths[:count], ()))
-    instants = np.append(turn.instants[: count + 1], turn.instants[0] + length)
-    return Guess(short, Turn(turn.states[: count + 1].copy(), instants))
 
 
 def turns_of(orbit: Orbit) -> int:
