@@ -147,11 +147,12 @@ def lyapunov_spectrum(
     A unit of time says nothing of a motion without a period: it may hold a millionth of a cycle,
     or a million of them. So the default lengths follow the motion. A first look at it, ever longer
     up to 64 windows or 20000 events, counts how often each state comes up through its mean, and
-    takes the state that does so most seldom. Where none has come back by then, it goes on up to 262144
-    units. A motion that does not come back there, rests, or ends, counts as if it oscillated as fast
-    as the fastest natural motion. Where no state comes back in the record either, and none dies out,
-    the attribute ``settled`` is 0. With inputs of ``signals`` the
-    default lengths are 200 and 1000 units of time.
+    takes the state that does so most seldom. Where none has come back by then, it goes on, up to
+    262144 windows. A motion that does not come back there, rests, or ends, counts as if it
+    oscillated as fast as the fastest natural motion. With inputs of ``signals`` the default lengths
+    are 200 and 1000 units of time. Where no state comes back in a record, however its length was
+    chosen, and the motion does not die out either, the attribute ``settled`` is 0, and a warning
+    and the message say so.
 
     Standard errors come from the averages of 32 blocks of the record, or a few more, each a
     whole number of intervals, and are no smaller than what a cycle that the record cuts off leaves
@@ -301,7 +302,7 @@ def _protocol(
     """Lengths in windows, the interval such that the record has a whole number of them.
 
     ``unit``: how much of what lengths are counted in makes a window; ``periodic``: whether that is
-    periods, one of which is an interval; ``least``: windows that make one without, in a long record.
+    periods, one of which is an interval; ``least``: windows that make one of a long record without.
     """
     lengths = {"transient": transient, "record": record}
     for name, value in lengths.items():

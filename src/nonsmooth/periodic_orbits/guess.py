@@ -39,8 +39,9 @@ Floats = npt.NDArray[np.float64]
 _LATER = 20  # stretches of a motion that are tried
 _WINDOWS = 64  # in which a return is looked for, per period
 _SAMPLES = 128  # in a window
-_FINER = (4096, 64, 1)  # samples in a window beside that: a fast cycle is found in a short stretch
-_COARSER = (64, 4096)  # windows to as many samples: a cycle that is slow beside a stiff cell
+# Times that: a fast cycle is found in a short stretch. Longer ones where nothing comes back in it,
+# as a cycle may be slow beside a stiff cell that it never visits.
+_STRETCHES = (1 / 4096, 1 / 64, 1, 64, 4096)
 _RESOLVED = 0.3  # of the spread of the states: the median way between samples of a cycle
 _NEAR = (1e-3, 1e-2, 5e-2)  # of the spread of the states: the first return as near is taken
 _MOST_EVENTS = 256
@@ -204,29 +205,30 @@ def cycle_guesses(
     begin = start.instant.number + transient
     open_states = _OpenStates.of(system)
     returns = False
-    for per_window in [_SAMPLES * finer for finer in _FINER] + [_SAMPLES / k for k in _COARSER]:
-        if per_window < _SAMPLES and (returns or _rests(outcome, open_states)):
-            return
-        final = per_window <= _SAMPLES
-        plan, step = _plan(tables.window, per_window, period, begin, start, transient)
+    for stretch in _STRETCHES:
+        samples, final = _SAMPLES / stretch, stretch >= 1.0
+        plan, step = _plan(tables.window, samples, period, begin, start, transient)
         outcome = _run_for_guess(system, tables, start, plan, tolerance)
         found = _between_events(system, outcome, begin, open_states, period, final)
         found = found or _around(outcome, open_states, period, step, final)
         if found is not None:
             returns = True
             yield found
+        if final and (returns or _rests(outcome, open_states)):
+            return
 
 
 def _plan(
-    window: float, per_window: float, period: int, begin: int, start: Start, transient: int
+    window: float, samples: float, period: int, begin: int, start: Start, transient: int
 ) -> tuple[Plan, float]:
-    """Samples of so many per window, a power of two, their number being the same; and the time
-    between them.
+    """Samples of so many per window, a power of two, and the time between them.
+
+    Their number is the same, however many there are in a window.
     """
     count = np.arange(_WINDOWS * _SAMPLES * period + 1)
-    step = window / per_window
-    number = begin + np.floor(count / per_window).astype(np.int64)
-    phase: Floats = np.asarray((count % per_window if per_window > 1.0 else 0.0 * count) * step)
+    step = window / samples
+    number = begin + np.floor(count / samples).astype(np.int64)
+    phase: Floats = np.asarray((count % samples if samples > 1.0 else 0.0 * count) * step)
     if transient == 0:
         phase[0] = max(phase[0], start.instant.phase)
     return Plan(Instant(int(number[-1]), float(phase[-1])), number, phase), step

@@ -5,9 +5,11 @@
 // exp(+b/w) at rest, where s = -b, and its rates there are those of no motion. So such a mode is
 // looked at once more where its guards are as positive as they are negative at rest, and the slower
 // rates count. What grows without bound on its way out of a cell fades on the way in, so one of the
-// two is sound; powers, and all that is linear, are as fast at both.
+// two is sound; powers, and all that is linear, are as fast at both. A cell in which no state is
+// found has no say.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -28,11 +30,11 @@ inline bool all_finite(const View<double, 2>& matrix) {
 
 // The rest state, a state of a cell near it, and what a look at a mode takes.
 struct RestLook {
-    View<double, 1> rest, there;      // (N,)
-    View<double, 1> missed;           // (e,): by which each guard is negative at rest
-    View<Series, 1> series;           // as in Segment
+    View<double, 1> rest, there;  // (N,)
+    View<double, 1> missed;       // (e,): by which each guard is negative at rest
+    View<Series, 1> series;       // as in Segment
     View<Lanes, 3> dual;
-    View<double, 2> kept;             // (n, N): rates at rest
+    View<double, 2> kept;         // (n, N): rates at rest
     ModalForm form;
 };
 
@@ -60,8 +62,8 @@ enum class Entry { found, none, no_way };
 // Move `there` from the rest state into the cell of mode m, guard after guard, each by the shortest
 // way to a part of what it misses at rest; the rows of the mode become those there.
 inline Entry enter_cell(const Tables& tables, const RestLook& look, Index m, double part) {
-    constexpr int most_sweeps = 32;    // of all guards; one does where they are linear and cross
-    constexpr double near_by = 0.5;    // of that part: guards that are curved need not be met
+    constexpr int most_sweeps = 32;  // of all guards; one does where each has states of its own
+    constexpr double near_by = 0.5;  // of that part: a curved guard need not be met exactly
     const Rates none{};
     copy(look.rest, look.there);
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
@@ -84,12 +86,20 @@ inline Entry enter_cell(const Tables& tables, const RestLook& look, Index m, dou
     return Entry::none;
 }
 
-// Fastest oscillation or growth of a mode by the rows that it has; infinite where it has no finite
-// ones.
-inline double fastest_of_rows(const Tables& tables, const RestLook& look, Index m) {
+// Fastest motion of a mode by the rows that it has, and fastest oscillation or growth; infinite
+// where it has no finite rows.
+struct Fastest {
+    double of_all, lasting;
+};
+
+inline Fastest fastest_of_rows(const Tables& tables, const RestLook& look, Index m) {
+    constexpr double unknown = std::numeric_limits<double>::infinity();
     const bool known = all_finite(tables.generator[m]) &&
                        triangular_form(tables.generator[m], look.form) == COMPLETED;
-    return known ? fastest_of_mode(look.form.t) : std::numeric_limits<double>::infinity();
+    if (!known) return {unknown, unknown};
+    double largest = 0.0;
+    for (Index i = 0; i < tables.size(); ++i) largest = std::max(largest, abs(look.form.t(i, i)));
+    return {largest, fastest_of_mode(look.form.t)};
 }
 
 // Give the rows (n, N) of a mode back, or none.
@@ -104,15 +114,18 @@ inline void put_rates(const Tables& tables, Index m, const View<double, 2>* rate
 // Rates of a mode in whose cell the rest state does not lie, whose rows are those at rest.
 inline void look_into_cell(const Tables& tables, const RestLook& look, Index m) {
     constexpr double parts[] = {1.0, 0.125, 0.015625};  // a cell may be narrow
-    const double at_rest = fastest_of_rows(tables, look, m);
+    const Fastest at_rest = fastest_of_rows(tables, look, m);
     for (Index i = 0; i < tables.n(); ++i) {
         for (Index j = 0; j < tables.size(); ++j) look.kept(i, j) = tables.generator(m, i, j);
     }
     for (const double part : parts) {
         const Entry entry = enter_cell(tables, look, m, part);
         if (entry == Entry::none) continue;
-        const bool slower =
-            entry == Entry::found && fastest_of_rows(tables, look, m) < at_rest;
+        bool slower = false;  // strong damping alone, which is fast and does not last, is not
+        if (entry == Entry::found) {
+            const Fastest there = fastest_of_rows(tables, look, m);
+            slower = there.of_all < at_rest.of_all && there.lasting < at_rest.lasting;
+        }
         if (!slower) put_rates(tables, m, &look.kept);
         return;
     }
