@@ -206,14 +206,14 @@ def lyapunov_spectrum(
         strobe = strobe.with_parameters(**parameters) if parameters else strobe
         periodic, unit = True, window / (strobe.every * (strobe.length or window))
     start = _start(system, tables, strobe, initial, t_start, shared)
-    least = 1.0
+    tick = 1.0
     if transient is None or record is None:
         timed = periodic or system.signals
         one = 1.0 if timed else return_time(system, tables, start, tolerance)
-        least = 1.0 if timed else max(1.0, one / window / _OF_RETURN)
+        tick = 1.0 if timed else max(1.0, one / window / _OF_RETURN)
         transient = _TRANSIENT * one if transient is None else transient
         record = _RECORD * one if record is None else record
-    protocol = _protocol(transient, record, interval, unit, periodic, least)
+    protocol = _protocol(transient, record, interval, unit, periodic, tick)
     more = whole("confirm", confirm, 0)
     first = start.instant.time(window)
     check_signals(system, first, first + (protocol.transient + protocol.record) * window)
@@ -297,12 +297,12 @@ def _count(system: System, exponents: Any) -> int:
 
 
 def _protocol(
-    transient: Any, record: Any, interval: Any, unit: float, periodic: bool, least: float
+    transient: Any, record: Any, interval: Any, unit: float, periodic: bool, tick: float
 ) -> ExponentProtocol:
     """Lengths in windows, the interval such that the record has a whole number of them.
 
     ``unit``: how much of what lengths are counted in makes a window; ``periodic``: whether that is
-    periods, one of which is an interval; ``least``: windows that make one of a long record without.
+    periods, one of which is an interval; ``tick``: windows that make one of a long record without.
     """
     lengths = {"transient": transient, "record": record}
     for name, value in lengths.items():
@@ -311,7 +311,7 @@ def _protocol(
             raise OptionError(f"{name} = {value} {least}; it counts periods, or time without one")
     whole_record = float(record) / unit
     if interval is None:
-        wanted = 1.0 / unit if periodic else min(least, whole_record / _PARTS)
+        wanted = 1.0 / unit if periodic else min(tick, whole_record / _PARTS)
     else:
         wanted = finite_number("interval", interval) / unit
         if not wanted > 0.0:
