@@ -36,6 +36,7 @@ __all__ = ["lyapunov_spectrum"]
 
 _MOST_INTERVALS = 1e7  # of transient and record
 _TRANSIENT, _RECORD = 200.0, 1000.0  # periods, or returns of a motion without one
+_OF_RETURN = 32.0  # intervals of one, where the clock ticks so much faster than a motion returns
 _PARTS = 256  # intervals of a record without a period, at least
 
 
@@ -146,9 +147,12 @@ def lyapunov_spectrum(
     A unit of time says nothing of a motion without a period: it may hold a millionth of a cycle,
     or a million of them. So the default lengths follow the motion. A first look at it, ever longer
     up to 64 windows or 20000 events, counts how often each state comes up through its mean, and
-    takes the state that does so most seldom. A motion that does not come back there, or ends,
-    counts as if it oscillated as fast as the fastest natural motion. With inputs of ``signals`` the
-    default lengths are 200 and 1000 units of time.
+    takes the state that does so most seldom. Where none has come back by then, it goes on, up to
+    262144 windows. A motion that does not come back there, rests, or ends, counts as if it
+    oscillated as fast as the fastest natural motion. With inputs of ``signals`` the default lengths
+    are 200 and 1000 units of time. Where no state comes back in a record, however its length was
+    chosen, and the motion does not die out either, the attribute ``settled`` is 0, and a warning
+    and the message say so.
 
     Standard errors come from the averages of 32 blocks of the record, or a few more, each a
     whole number of intervals, and are no smaller than what a cycle that the record cuts off leaves
@@ -202,12 +206,14 @@ def lyapunov_spectrum(
         strobe = strobe.with_parameters(**parameters) if parameters else strobe
         periodic, unit = True, window / (strobe.every * (strobe.length or window))
     start = _start(system, tables, strobe, initial, t_start, shared)
+    tick = 1.0
     if transient is None or record is None:
         timed = periodic or system.signals
         one = 1.0 if timed else return_time(system, tables, start, tolerance)
+        tick = 1.0 if timed else max(1.0, one / window / _OF_RETURN)
         transient = _TRANSIENT * one if transient is None else transient
         record = _RECORD * one if record is None else record
-    protocol = _protocol(transient, record, interval, unit, periodic)
+    protocol = _protocol(transient, record, interval, unit, periodic, tick)
     more = whole("confirm", confirm, 0)
     first = start.instant.time(window)
     check_signals(system, first, first + (protocol.transient + protocol.record) * window)
@@ -291,12 +297,12 @@ def _count(system: System, exponents: Any) -> int:
 
 
 def _protocol(
-    transient: Any, record: Any, interval: Any, unit: float, periodic: bool
+    transient: Any, record: Any, interval: Any, unit: float, periodic: bool, tick: float
 ) -> ExponentProtocol:
     """Lengths in windows, the interval such that the record has a whole number of them.
 
     ``unit``: how much of what lengths are counted in makes a window; ``periodic``: whether that is
-    periods, one of which is an interval.
+    periods, one of which is an interval; ``tick``: windows that make one of a long record without.
     """
     lengths = {"transient": transient, "record": record}
     for name, value in lengths.items():
@@ -305,7 +311,7 @@ def _protocol(
             raise OptionError(f"{name} = {value} {least}; it counts periods, or time without one")
     whole_record = float(record) / unit
     if interval is None:
-        wanted = 1.0 / unit if periodic else min(1.0, whole_record / _PARTS)
+        wanted = 1.0 / unit if periodic else min(tick, whole_record / _PARTS)
     else:
         wanted = finite_number("interval", interval) / unit
         if not wanted > 0.0:

@@ -40,10 +40,13 @@ Floats = npt.NDArray[np.float64]
 _LATER = 20  # stretches of a motion that are tried
 _WINDOWS = 64  # in which a return is looked for, per period
 _SAMPLES = 128  # in a window
-_FINER = (4096, 64, 1)  # samples in a window beside that: a fast cycle is found in a short stretch
+# Times that: a fast cycle is found in a short stretch. Longer ones where nothing comes back in it,
+# as a cycle may be slow beside a stiff cell that it never visits.
+_STRETCHES = (1 / 4096, 1 / 64, 1, 64, 4096)
 _RESOLVED = 0.3  # of the spread of the states: the median way between samples of a cycle
 _NEAR = (1e-3, 1e-2, 5e-2)  # of the spread of the states: the first return as near is taken
 _MOST_EVENTS = 256
+_STILL = 1e-9  # of the size of a state: what it must change by to move
 _SWEEPS = 3  # of the states, for fixed instants
 _NEARER = 1.0 - 1e-6  # of the distance of the strobe that is told: others are as near by rounding
 
@@ -215,25 +218,40 @@ def cycle_guesses(
     start = start_at_end(start)
     begin = start.instant.number + transient
     open_states = _OpenStates.of(system)
-    for finer in _FINER:
-        samples, final = _SAMPLES * finer, finer == _FINER[-1]
+    returns = False
+    for stretch in _STRETCHES:
+        samples, final = _SAMPLES / stretch, stretch >= 1.0
         plan, step = _plan(tables.window, samples, period, begin, start, transient)
         outcome = _run_for_guess(system, tables, start, plan, tolerance)
         found = _between_events(system, outcome, begin, open_states, period, final)
-        yield from found or _around(outcome, open_states, period, step, final)
+        found = found or _around(outcome, open_states, period, step, final)
+        returns = returns or bool(found)
+        yield from found
+        if final and (returns or _rests(outcome, open_states)):
+            return
 
 
 def _plan(
-    window: float, samples: int, period: int, begin: int, start: Start, transient: int
+    window: float, samples: float, period: int, begin: int, start: Start, transient: int
 ) -> tuple[Plan, float]:
-    """Samples of so many per window, their number being the same; and the time between them."""
-    count = _WINDOWS * _SAMPLES * period + 1
+    """Samples of so many per window, a power of two, and the time between them.
+
+    Their number is the same, however many there are in a window.
+    """
+    count = np.arange(_WINDOWS * _SAMPLES * period + 1)
     step = window / samples
-    number = begin + np.arange(count) // samples
-    phase: Floats = np.asarray((np.arange(count) % samples) * step)
+    number = begin + np.floor(count / samples).astype(np.int64)
+    phase: Floats = np.asarray((count % samples if samples > 1.0 else 0.0 * count) * step)
     if transient == 0:
         phase[0] = max(phase[0], start.instant.phase)
     return Plan(Instant(int(number[-1]), float(phase[-1])), number, phase), step
+
+
+def _rests(outcome: Outcome, open_states: _OpenStates) -> bool:
+    """Whether nothing moves in the second half of a stretch."""
+    states = open_states.without_drifts(outcome.records.sample_state)
+    late = states[len(states) // 2 :]
+    return not np.any(open_states.spread(late) > _STILL * (np.abs(late).max(axis=0) + 1e-12))
 
 
 class _OpenStates(NamedTuple):
@@ -325,7 +343,7 @@ def _around(
     """
     states = open_states.without_drifts(outcome.records.sample_state)
     spread = open_states.spread(states)
-    at_rest = not np.any(spread > 1e-9 * (np.abs(states).max(axis=0) + 1e-12))
+    at_rest = not np.any(spread > _STILL * (np.abs(states).max(axis=0) + 1e-12))
     if at_rest or not _is_resolved(outcome, open_states):
         return []
     scaled = open_states.apart(states, states[0]) / np.where(spread > 0.0, spread, 1.0)

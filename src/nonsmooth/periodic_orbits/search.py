@@ -55,7 +55,7 @@ _PERIODS = 200  # of the motion in which a given word is looked for
 _STRETCHES = 20  # of that motion that are tried, those that nearly close first
 _STEPS = 25  # of Newton's method from random durations, of which most lead nowhere
 _SEED = 1
-_AT_REST = 1e-7  # of the size of the guess, in one turn
+_AT_REST = 1e-7  # of the size of the guess or of what it leads to, in one turn
 _NEUTRAL = 1e-9  # distance of a multiplier from 1
 _NEARLY_NEUTRAL = 1e-6  # likewise, of one that is double there: the root of its rounding
 _OFF_FOLD = (1e-4, 1e-3, 1e-2, 0.1, 0.5)  # of the size of an orbit, along the direction of a fold
@@ -212,7 +212,9 @@ def _has_come_to_rest(equations: OrbitEquations, solution: Solution, guess: Gues
     turn = equations.unpack(solution.unknowns)
     found = equations.legs.follow(equations.word, turn.states, turn.instants)
     way = np.abs(found.start_rates[0]).max() * float(turn.durations[0])
-    return bool(way <= _AT_REST * np.abs(guess.turn.states).max())
+    # of either: a guess may begin at zero, and end at a rest elsewhere
+    size = max(np.abs(guess.turn.states).max(), np.abs(turn.states).max())
+    return bool(way <= _AT_REST * size)
 
 
 def _without_empty_leg(

@@ -75,6 +75,7 @@ class TangentFlow:
         self._tangent = allocate_columns(sizes, count, 1)
         self._whole = allocate_columns(sizes, self.n, 1)  # of all states, at a start
         self.last_event = np.zeros((), dtype_of("EventRow"))
+        self.states_at_ends = np.empty((0, self.n))  # of the instants of the last `run_with`
         self._many = allocate_records(sizes, np.zeros(1, np.int64), np.zeros(1), FIRST_CAPACITY)
 
     @cached_property
@@ -236,7 +237,9 @@ class TangentFlow:
             sample_mode=np.empty(count, np.int64),
         )
         status = self._record(records, ends[-1], GOES_ON, tangent)
-        return status, int(records.counters["samples"])
+        reached = int(records.counters["samples"])
+        self.states_at_ends = records.sample_state[:reached]
+        return status, reached
 
     def _run(self, end: Instant, mode: int, tangent: Tangent, *, one_event: bool) -> Status:
         records = self._one if one_event else self._many

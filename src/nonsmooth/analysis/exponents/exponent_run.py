@@ -39,6 +39,7 @@ __all__ = [
 
 Floats = npt.NDArray[np.float64]
 
+_STATES = 65_536  # that are kept of a record, or up to twice as many
 _TOGETHER = 64  # intervals that are run at once, between which the progress is told
 _ERRORS = 5.0  # standard errors between an exponent and zero
 LEAST_GROWTH = 3.0  # times one over the duration: no record tells an exponent better
@@ -69,6 +70,7 @@ class ExponentRun:
     end: Instant  # of the record
     end_state: npt.NDArray[np.float64]  # (n,)
     end_mode: int
+    states: npt.NDArray[np.float64]  # (K, n) at ends of intervals of the record, evenly spaced
 
 
 def run_exponents(
@@ -87,6 +89,7 @@ def run_exponents(
     steps = _Ends(flow, start.instant, protocol)
     n_transient = steps.of_transient
     rows, done = [growth.at_anchor[None]], 0
+    states, apart = [np.empty((0, flow.n))], max(1, protocol.parts // _STATES)
     first = last = flow.counts
     try:
         with Progress("exponents", steps.count) as progress:
@@ -94,6 +97,8 @@ def run_exponents(
                 limit = n_transient if done < n_transient else steps.count
                 status, part = growth.through(steps.part(done, min(done + _TOGETHER, limit)))
                 rows.append(part)
+                if done >= n_transient:
+                    states.append(flow.states_at_ends[(n_transient - done) % apart :: apart].copy())
                 done += len(part)
                 if status == Status.COMPLETED and done <= n_transient and growth.renew_lost():
                     status, again = growth.through(steps.part(done - 1, done))
@@ -118,6 +123,7 @@ def run_exponents(
         end=ends[-1] if ends else start.instant,
         end_state=flow.end_state.copy(),
         end_mode=flow.mode,
+        states=np.concatenate(states),
     )
 
 

@@ -24,6 +24,7 @@ from nonsmooth.analysis.exponents.exponent_run import (
     largest_exponent,
     rates_of,
 )
+from nonsmooth.analysis.exponents.return_time import never_returns
 from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group, ParameterSets, settle
 from nonsmooth.analysis.statistics.block_averages import means_differ
@@ -39,6 +40,10 @@ from nonsmooth.system.system import System
 __all__ = ["Horizon", "find_horizon"]
 
 _TRANSIENT = "these are exponents of a transient"
+_NO_RETURN = (
+    "the motion does not come back in the record: these are exponents of a part of its way;"
+    " raise record= and transient="
+)
 _RECORD, _MATCH = 100, 1e-6  # strobes at the end of the later motion, and how they repeat
 _TURNING = 0.25  # of the later record, before it: derivatives find their directions
 
@@ -80,6 +85,8 @@ def find_horizon(
     if run.status != Status.COMPLETED:
         return Horizon()
     differ = _halves_differ(run)
+    if system.period_value is None and not system.signals and never_returns(system, run.states):
+        return Horizon(_NO_RETURN)
     if not is_chaotic(run):
         return Horizon(differ)
     half = 0.5 * protocol.record

@@ -44,10 +44,11 @@ inline void fill_fastest(const ModalForm& form, const View<double, 1>& fastest) 
     for (Index k = 0; k < form.size(); ++k) fastest[k] = of_block[form.block[k]];
 }
 
-// Whether column i of a triangular form belongs to a block of states, of which there are n.
-inline bool moves_states(const ModalForm& form, Index n, Index i) {
+// Whether column i of the vectors of a triangular form belongs to a block of states, of which there
+// are n.
+inline bool moves_states(const View<Complex, 2>& v, Index n, Index i) {
     for (Index k = 0; k < n; ++k) {
-        if (form.v(k, i) != 0.0) return true;
+        if (v(k, i) != 0.0) return true;
     }
     return false;
 }
@@ -64,7 +65,7 @@ inline bool are_chained(const ModalForm& form, const View<double, 1>& fastest, I
         return coupling > fastest[i] / chained_coupling;
     }
     return std::max(abs(t(i, i)), abs(t(j, j))) <= coupling / chained_coupling &&
-           gap * horizon <= most_cuts && moves_states(form, n, i) && moves_states(form, n, j);
+           gap * horizon <= most_cuts && moves_states(form.v, n, i) && moves_states(form.v, n, j);
 }
 
 // Fill the rates (N, N) by which the gap between each two eigenvalues of a triangular form is

@@ -9,8 +9,8 @@
 
 #include "decoupling.hpp"
 #include "linear_flow.hpp"
-#include "linearisation.hpp"
 #include "parameter_tape.hpp"
+#include "rates_at_rest.hpp"
 #include "records.hpp"
 #include "refinement.hpp"
 #include "scratch.hpp"
@@ -27,12 +27,6 @@ struct SetUpEnd {
     Status status;
     Index mode;
 };
-
-inline bool all_finite(const View<double, 2>& matrix) {
-    double total = 0.0;
-    for (const double each : matrix) total += std::fabs(each);
-    return std::isfinite(total);
-}
 
 // Add the terms of the equations to the rows that they belong to; slots are those of the tape.
 inline void scatter_terms(const Program& program, const View<double, 1>& slots,
@@ -107,33 +101,6 @@ inline void fill_guard_derivatives(const Tables& tables) {
     }
 }
 
-// How fast Taylor modes are near the rest state, for the window of a system without period.
-//
-// Where they have no finite rates there, they have no say in it. Cells on surfaces have none at
-// all: they move as those beside them do, and where the gradient of a surface vanishes, as that of
-// y - sin(y) at zero, what rounding leaves of their rates would count as 1e8 radians a second.
-inline void linearise_at_rest(const Tables& tables) {
-    const Index size = tables.size(), n_registers = tables.sizes.registers;
-    const Scratch<double, 1> z(size);
-    const Scratch<Series, 1> series(n_registers);
-    const Scratch<Lanes, 3> dual(n_registers, n_blocks(size), TERMS);
-    const Rates none{};
-    for (Index i = 0; i < tables.n(); ++i) {
-        if (tables.rest_slots[i] >= 0) z[i] = tables.values[tables.rest_slots[i]];
-    }
-    tables.clock.window = 0.0;  // not known yet; no time has passed
-    augmented(tables, 0, 0.0, &z[0]);
-    fill_first_pieces(tables, &z[0]);
-    for (Index m = 0; m < tables.n_modes(); ++m) {
-        if (!is_taylor(tables, m) || mode_wiring(tables, m).kind != FREE) continue;
-        linearise(tables, none, series, dual, m, &z[0]);
-        if (all_finite(tables.generator[m])) continue;
-        for (Index i = 0; i < tables.n(); ++i) {
-            for (Index j = 0; j < size; ++j) tables.generator(m, i, j) = 0.0;
-        }
-    }
-}
-
 // Window, longest segment, and the time over which eigenvalues are told apart.
 //
 // A piece of a signal that is short beside an oscillation has large third derivatives: told apart
@@ -187,7 +154,8 @@ inline SetUpEnd fill_motions(const Program& program, const Tables& tables) {
         if (status != COMPLETED) return {status, m};
     }
     const bool is_period = program.period_slot >= 0;
-    const double window = is_period ? tables.values[program.period_slot] : natural_window(t);
+    const double window = is_period ? tables.values[program.period_slot]
+                                    : natural_window(t, v, tables.n());
     tables.clock = clock_of_window(window, is_period, program.spacing);
     if (!count_turns(tables)) return {NOT_FINITE, -1};
     for (Index m = 0; m < n_modes; ++m) {
