@@ -15,6 +15,7 @@ __all__ = ["MATRIX_SUFFIXES", "read_archive", "read_matrix"]
 
 MATRIX_SUFFIXES = (".npy", ".csv", ".mtx")
 _OBJECTS = "Object arrays cannot be loaded"  # what numpy says of them
+_PICKLED = "pickled"
 _NO_OBJECTS = (
     "holds Python objects, which could run code when they are read; save numbers by"
     " .astype(float), names by .astype(str)"
@@ -36,6 +37,8 @@ def read_matrix(name: str, path: Path, cure: str = "") -> Any:
             return mmread(path)
     except _FAULTS as error:
         fault = _NO_OBJECTS if _OBJECTS in str(error) else f"cannot be read: {error}"
+        if _PICKLED in str(error):
+            fault = f"cannot be read: it is no {suffix} file"
         raise ModelError(f"{name}: {path.name} {fault}") from None
     raise ModelError(
         f"{name}: {path.name} has none of the suffixes {', '.join(MATRIX_SUFFIXES)}{cure}"
@@ -72,7 +75,9 @@ def _npz(path: Path) -> dict[str, Any]:
     except _FAULTS as error:
         if name and _OBJECTS in str(error):
             raise ModelError(f"path: {path.name}: array {name!r} {_NO_OBJECTS}") from None
-        raise ModelError(f"path: {path.name} cannot be read as .npz: {error}") from None
+        # numpy takes any other file for Python objects, and says how to read those
+        fault = "it is no archive of arrays" if _PICKLED in str(error) else error
+        raise ModelError(f"path: {path.name} cannot be read as .npz: {fault}") from None
 
 
 def _mat(path: Path) -> dict[str, Any]:

@@ -202,14 +202,16 @@ def _check_alone(file: Path, events: dict[str, str]) -> None:
 def _instants(task: Task, events: dict[str, str]) -> dict[str, tuple[str, np.ndarray]]:
     """Instants of events in s, within the range of time that is kept, with a dimension for each."""
     from nonsmooth import measured
-    from nonsmooth.measured.reading import seconds_of
+    from nonsmooth.measured.csv_text import read_table
+    from nonsmooth.measured.reading import seconds_of, unit_of_times
 
     reading = task.options("measured.read_csv", "time", "sample_rate", "time_range")
     low, high = (-np.inf, np.inf) if task["time_range"] is None else task["time_range"]
     found = {}
     for name, text in events.items():
         column = measured.read_columns(text, {"instant": 0}, **reading)["instant"]
-        instants = column.values * seconds_of(column.attrs["units"], text, "give them in s")
+        units = column.attrs["units"] or unit_of_times(read_table(text, None, None).header(0))
+        instants = column.values * seconds_of(units, text, "give them in s")
         found[name] = name, instants[(instants >= low) & (instants <= high)]
     return found
 

@@ -195,7 +195,11 @@ def _kept_clock(times: Floats, first: int, last: int, places: Places) -> Clock:
         if times.size < FEWEST:
             raise
     step = usual_step(times)
-    if step <= 0.0:
+    if step < 0.0:
+        raise OptionError(
+            "times: most samples are earlier than the one before; put the rows in order of time"
+        )
+    if step == 0.0:
         raise OptionError(
             "times: most samples have the time of the one before; give sample_rate= instead"
         )

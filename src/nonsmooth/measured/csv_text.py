@@ -85,12 +85,14 @@ class Table:
         known = [split_units(cell)[0] for cell in row if cell]
         raise OptionError(f"{self.name}, {what}: {unknown_name('column', wanted, known)}")
 
+    def header(self, place: int) -> str:
+        """Header of a column, empty where it has none."""
+        return next((row[place] for row in self.headers if _is_name(row[place])), "")
+
     def called(self, place: int) -> str:
         """A column in words: by its header, or by its number."""
-        for row in self.headers:
-            if _is_name(row[place]):
-                return f"column {row[place]!r:.60}"
-        return f"column {place} (from 0)"
+        header = self.header(place)
+        return f"column {header!r:.60}" if header else f"column {place} (from 0)"
 
     def _units(self, place: int) -> str:
         """Units of a column: in its header, or in a row of their own below the headers."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -17,9 +18,14 @@ from nonsmooth.measured.csv_text import Table, numbers_of, read_table
 from nonsmooth.measured.marking import Marking
 from nonsmooth.measured.record import record_of
 
-__all__ = ["read_csv", "seconds_of"]
+__all__ = ["read_csv", "seconds_of", "unit_of_times"]
 
-_SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6}
+# behind a sign or a blank; not the last letters of a word
+_UNIT_AT_END = re.compile(
+    r"[\W_]((?:m|u|\N{MICRO SIGN}|\N{GREEK SMALL LETTER MU})?s(?:ec)?|ns|min|h)\W*$", re.IGNORECASE
+)
+_SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
+            "msec": 1e-3, "usec": 1e-6, "µsec": 1e-6, "μsec": 1e-6}  # fmt: skip
 _TIMES = ("time", "Time", "t")  # headers that are looked for
 
 
@@ -57,8 +63,8 @@ def read_csv(
     Other Parameters
     ----------------
     time : str or int, optional
-        Column of the time in s, or in the unit of its header: ms or us. ``time``, ``Time`` or
-        ``t`` without it.
+        Column of the time in s, or in the unit of its header: ms or us, in brackets, in a row of
+        units or at the end, as in ``time_ms``. ``time``, ``Time`` or ``t`` without it.
     sample_rate : float, optional
         Samples per s, in place of a column of times.
     mark : str or int, optional
@@ -187,7 +193,17 @@ def _time_column(table: Table, wanted: Any) -> tuple[int, float]:
             )
     else:
         place, units = table.column(wanted, "time")
+    units = units or unit_of_times(table.header(place))
     return place, seconds_of(units, table.name, "give sample_rate=")
+
+
+def unit_of_times(header: str) -> str:
+    """Unit that the header of times ends with, in no brackets: ``time_ms``, ``t/ms``, ``time in s``.
+
+    Units that are refused are found too; other words are no unit.
+    """
+    found = _UNIT_AT_END.search(header)
+    return found[1] if found else ""
 
 
 def seconds_of(units: str, where: str, cure: str) -> float:
