@@ -144,6 +144,23 @@ def test_sizes_come_from_what_others_make_of_a_state():
     assert np.all(floor_of(found, 1e-6) == 1e-6 * found)
 
 
+def test_fast_states_beside_slow_ones_have_sizes():
+    """A pair of frequency w and damping d forgets within a part in which another one does not."""
+    w, d = 1e3, 60.0
+
+    def blocks_over(part, going):
+        turn, left = w * part, np.exp(-d * part)
+        fast = left * np.array(
+            [[np.cos(turn), np.sin(turn) / w], [-w * np.sin(turn), np.cos(turn)]]
+        )
+        return going, np.block([[np.ones((1, 1)), np.zeros((1, 2))], [np.zeros((2, 1)), fast]])[
+            None
+        ]
+
+    found = natural_sizes(np.array([[1.0, 2e-5, 1e-16]]), np.ones(1, bool), blocks_over)
+    assert 0.1 * w * 2e-5 < found[0, 2] <= w * 2e-5
+
+
 def test_growth_within_a_part_is_no_size():
     """A saddle that takes its neighbours away by 1e9 in a part."""
     sizes = np.array([[1.0, 1.0]])

@@ -54,9 +54,9 @@ def followed(verb, *calls):
 
 
 def test_a_diagram_makes_the_calls_that_the_page_tells():
-    def diagram():  # one call of the engine for both columns
+    def diagram():  # one call of the engine for both columns, whose motions have period one
         ns.bifurcation_diagram(
-            ns.models.soft_impact(), "omega", [0.7, 0.8], transient=5, record=5, threads=1
+            ns.models.soft_impact(), "omega", [0.61, 0.62], transient=300, record=5, threads=1
         )
 
     calls = followed(diagram, "run_tasks", "run_sweep")

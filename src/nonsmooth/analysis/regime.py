@@ -72,7 +72,8 @@ def regime(
         16 times the transient (or the record, if that is longer) without it.
     confirm : int, optional
         Periods for which a chaotic motion is run on, as chaos may be a long transient, and a
-        quasi-periodic one, as it may settle slowly; 0 to trust the windows.
+        quasi-periodic one, as it may settle slowly; 0 to trust the windows. Without forcing, a
+        motion that neighbours approach by a steady rate is ``unsettled`` then.
     phase : float, optional
         Part of the period at which strobes are taken, from 0 to less than 1.
     period : float or str, optional

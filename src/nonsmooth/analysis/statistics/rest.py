@@ -71,7 +71,7 @@ def natural_sizes(
 
     That is what each state would be if all others moved by their sizes. Several parts are asked, as
     a velocity has its turn again after half a turn of its position, and nothing of it is left then.
-    The last of them is short enough that neighbours do not forget where they began. What grows
+    They are ever shorter until neighbours in no direction forget where they began. What grows
     within a part is taken back to the size where it began.
 
     shapes: sizes (M, k), chosen (M,); blocks_over: derivatives (M, k, k) over a part of the
@@ -83,12 +83,12 @@ def natural_sizes(
             break
         known, blocks = blocks_over(part, going)
         which = np.flatnonzero(known)
-        modulus = np.abs(np.linalg.eigvals(blocks[which])).max(axis=1, initial=0.0)
+        moduli = np.abs(np.linalg.eigvals(blocks[which]))
         made = np.abs(blocks[which]) @ sizes[which, :, None]
-        made = made[..., 0] / np.maximum(modulus, 1.0)[:, None]
+        made = made[..., 0] / moduli.max(axis=1, initial=1.0)[:, None]
         natural[which] = np.maximum(natural[which], made)
         if k + 1 >= _LOOKS:
-            going[which[modulus > _REMEMBERED]] = False
+            going[which[moduli.min(axis=1) > _REMEMBERED]] = False
             part /= _SHORTER
         else:
             part *= _GOLDEN
