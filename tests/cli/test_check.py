@@ -128,3 +128,11 @@ def test_each_column_has_its_own_calibration(call, file, tmp_path):
     assert result.exit_code == 2 and "--offset: unknown name 'z'" in result.stderr
     result = call("check", file, "--columns", "x=a", "--sensitivity", "x=much")
     assert result.exit_code == 2 and "--sensitivity" in result.stderr
+
+
+def test_rows_from_the_last_to_the_first_are_not_evened_out(call, file):
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join([lines[0], *lines[:0:-1]]))
+    result = call("check", file, "--columns", "x=a")
+    assert result.exit_code == 2
+    assert "most samples are earlier than the one before" in result.stderr

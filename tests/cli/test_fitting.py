@@ -250,6 +250,7 @@ def test_instants_that_cannot_be_fitted(call, ball, tmp_path):
     for header, said in (
         ("instant", "5 of 5 instants lie outside"), ("instant", ranges), ("instant", " to 2.83;"),
         ("t [min]", "times are in 'min', known are s, ms and us"),
+        ("t_min", "times are in 'min', known are s, ms and us"),
     ):  # fmt: skip
         np.savetxt(file, 1e3 * ball, header=header, comments="")
         result = call(*words, "--events", f"bounce={file}")

@@ -90,6 +90,22 @@ def test_units_of_headers(read):
     assert "units" not in none["x"].attrs
 
 
+@pytest.mark.parametrize(
+    "header", ["time_ms", "time ms", "t/ms", "time in ms", "Time - msec", "time {ms}"]
+)
+def test_the_unit_of_times_may_end_their_header(read, header):
+    text = text_of(f"{header},CH1 [V],tacho", rows=ROWS * [1e3, 1, 1])
+    check(read(text, time=header))
+    check(read(text, time=0))
+    with pytest.raises(OptionError, match="times are in 'min', known are s, ms and us"):
+        read(text.replace(header, "time_min"), time=0)
+
+
+@pytest.mark.parametrize("header", ["times", "TIMEMS", "t_0"])
+def test_letters_that_end_a_word_are_no_unit_of_times(read, header):
+    check(read(text_of(f"{header},CH1 [V],tacho"), time=header))
+
+
 def test_other_units_than_those_of_the_header_need_a_sensitivity(read):
     """12 mm are no 12 inches: readings are converted, 25.4 mm being one inch, or refused."""
     text, channel = text_of("time,CH1 [mm],tacho"), ns.measured.Channel

@@ -238,6 +238,7 @@ def test_wrong_data_is_refused_with_the_reason(changes, match):
 def test_files_that_cannot_be_read_are_refused(tmp_path):
     (tmp_path / "bad.csv").write_text("1,2\n3,x\n")
     (tmp_path / "bad.npz").write_bytes(b"no archive")
+    (tmp_path / "text.npy").write_text("1,2")
     (tmp_path / "bad.mtx").write_text("nothing")
     np.save(tmp_path / "object.npy", np.array([[{}]], dtype=object))
     np.savez(tmp_path / "few.npz", mass=np.eye(2))
@@ -247,13 +248,14 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
         ("bad.mtx", "bad.mtx cannot be read"),
         ("object.npy", "object.npy holds Python objects"),
         ("none.npy", "none.npy cannot be read"),
+        ("text.npy", r"text.npy cannot be read: it is no .npy file$"),
         ("m.txt", "none of the suffixes"),
         ("all.npz", "MatrixRotor.from_file"),
     ):
         with pytest.raises(ns.ModelError, match=match):
             jeffcott(mass=tmp_path / name)
     for name, match in (
-        ("bad.npz", "cannot be read as .npz"),
+        ("bad.npz", r"cannot be read as .npz: it is no archive of arrays$"),
         ("object.npy", "cannot be read as .npz"),
         ("none.npz", "cannot be read as .npz"),
         ("few.npz", "no array 'stiffness'"),

@@ -198,7 +198,7 @@ def _time_column(table: Table, wanted: Any) -> tuple[int, float]:
 
 
 def unit_of_times(header: str) -> str:
-    """Unit that the header of times ends with, in no brackets: ``time_ms``, ``t/ms``, ``time in s``.
+    """Unit that a header of times ends with, not in brackets: ``time_ms``, ``t/ms``, ``time in s``.
 
     Units that are refused are found too; other words are no unit.
     """
