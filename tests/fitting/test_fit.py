@@ -407,6 +407,14 @@ def test_noise_that_is_given_or_bounded_stays():
     assert other["noise"].values.tolist() == [0.1]
 
 
+@pytest.mark.parametrize(("noise", "told"), [(0.02, True), (0.05, False), (0.2, False)])
+def test_residuals_larger_than_the_noise_that_is_given_are_told(noise, told):
+    """The noise of the record is 0.05; 4.55 % of its residuals are more than twice that."""
+    ramp, record = line()
+    found = ns.fit(ramp, record, {"k": (-5, 5)}, noise=noise, starts=1, segments=1)
+    assert ("more than twice the noise that noise= gives" in found.attrs["message"]) == told
+
+
 @pytest.mark.slow
 def test_a_result_comes_back_from_a_file(tmp_path):
     import xarray as xr

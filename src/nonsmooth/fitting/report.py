@@ -54,6 +54,8 @@ _WIDENED = "profile of the likelihood, widened for correlated residuals"
 _FOLLOWING = _WIDENED + " and for errors that follow the motion"
 _PERHAPS = _WIDENED + " and for errors that perhaps follow the motion"
 _NEUTRAL = 1e-6  # above 1: a multiplier of 1, of a motion without damping, is known about so well
+_LARGE, _SHARE_OF_LARGE = 2.0, 0.0455  # residual beside its noise; the share of those above it
+_RARE = 1e-3  # probability with which noise alone makes so many of them
 _FEW = 20  # data of a channel: their standard deviation is known to a sixth only
 _FORCE_WORDS = {
     LINEAR: "a mass, a stiffness, a damper or a dead load of the model were off",
@@ -119,6 +121,7 @@ def fit_dataset(
     late = [channel.delay.is_free for channel in shooting.channels]
     told = _message(best, agrees, words, variables, names_of_channels, late, named)
     told += _few_words(shooting, best, names_of_channels) + _events_words(best, series)
+    told += _large_words(shooting, best, names_of_channels)
     steady: dict[str, Any] = {}
     if growth := shooting.multipliers(best.evaluation):
         steady["largest_multiplier"] = float(np.abs(growth).max())
@@ -290,6 +293,24 @@ def _few_words(shooting: Shooting, best: Fitted, channels: Sequence[str]) -> str
         if channel.noise.is_free and count < _FEW
     ]
     return "".join(few)
+
+
+def _large_words(shooting: Shooting, best: Fitted, channels: Sequence[str]) -> str:
+    """Channels whose residuals are larger than the noise that is given allows for."""
+    from scipy.stats import binom
+
+    rows, words = best.evaluation.rows, ""
+    for c, (name, channel) in enumerate(zip(channels, shooting.channels, strict=True)):
+        own = np.abs(rows.residual[(rows.channel == c) & rows.matched])
+        large = int(np.count_nonzero(own > _LARGE))
+        by_chance = binom.sf(large - 1, own.size, _SHARE_OF_LARGE)
+        if not channel.noise.is_free and by_chance < _RARE:
+            words += (
+                f"; {large} of {own.size} residuals of {name} are more than twice the noise that"
+                " noise= gives: the noise is larger, the model is wrong, or no start has come to the"
+                " best values"
+            )
+    return words
 
 
 def _events_words(best: Fitted, series: Sequence[ChannelSeries]) -> str:
