@@ -124,3 +124,24 @@ def test_a_state_that_only_grows_does_not_return():
     turning = {"states": ["q", "w"], "equations": {"q": "w", "w": "0.3 - 0.1*w + 0.1*sin(q)"}}
     spectrum = ns.lyapunov_spectrum(ns.System(**turning, drift={"q": "2*pi"}), {"w": 1.0})
     assert spectrum.attrs["settled"] == 1
+
+
+def test_returns_that_differ_by_rounding_count_once():
+    """From rest the first catch is none of the cycle, and all later ones are as far from it.
+
+    The length is scipy's: DOP853 with events at rtol 1e-12, in micrometres and tenths of a
+    millisecond.
+    """
+    slider = ns.System(
+        name="slider",
+        states=["x", "v"],
+        parameters={"v_b": 1.5e-3},
+        surfaces={"s": ns.Surface("v - v_b", below="lag", on="stick", above="lead")},
+        equations={
+            "x": "v",
+            "v": "(-0.8*x - 2e-6*v - 4e-6*sign(s)*(0.25 + 0.2*exp(-abs(s)/3e-3)))/2e-9",
+        },
+    )
+    orbit = ns.find_orbit(slider, {"x": 0.0, "v": 0.0})
+    assert int(orbit["primitive_parts"]) == 1
+    assert float(orbit["length"]) == pytest.approx(1.4713668121609708e-3, rel=1e-9)

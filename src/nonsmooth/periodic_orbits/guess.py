@@ -45,6 +45,7 @@ _SAMPLES = 128  # in a window
 _STRETCHES = (1 / 4096, 1 / 64, 1, 64, 4096)
 _RESOLVED = 0.3  # of the spread of the states: the median way between samples of a cycle
 _NEAR = (1e-3, 1e-2, 5e-2)  # of the spread of the states: the first return as near is taken
+_AS_NEAR = 1e-6  # of the spread: returns that are no nearer than that to each other are the same
 _MOST_EVENTS = 256
 _STILL = 1e-9  # of the size of a state: what it must change by to move
 _SWEEPS = 3  # of the states, for fixed instants
@@ -327,7 +328,9 @@ def _returns(apart: Floats, limits: tuple[float, ...], final: bool) -> npt.NDArr
     chosen = next((k for near in limits for k in np.flatnonzero(apart <= near)[:1]), None)
     if not apart.size or not (final or chosen is not None):
         return np.zeros(0, np.intp)
-    first = int(np.argmin(apart)) if chosen is None else int(chosen)
+    # behind an event that wipes out what was before, all returns are as near but for rounding
+    nearest = int(np.flatnonzero(apart <= apart.min() + _AS_NEAR)[0])
+    first = nearest if chosen is None else int(chosen)
     if not final:
         return np.array([first])
     before = np.minimum.accumulate(np.append(np.inf, apart))[:first]
