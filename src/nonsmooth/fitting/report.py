@@ -307,8 +307,8 @@ def _large_words(shooting: Shooting, best: Fitted, channels: Sequence[str]) -> s
         if not channel.noise.is_free and by_chance < _RARE:
             words += (
                 f"; {large} of {own.size} residuals of {name} are more than twice the noise that"
-                " noise= gives: the noise is larger, the model is wrong, or no start has come to the"
-                " best values"
+                " noise= gives: the noise is larger, the model is wrong, or no start has come to"
+                " the best values"
             )
     return words
 
