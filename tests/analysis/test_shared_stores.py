@@ -10,6 +10,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from effort import HANG
+from nonsmooth.runs.store import Store
 
 BEGIN = "import os, sys, numpy as np, nonsmooth as ns\nsystem = ns.models.soft_impact()\n"
 GRID = "{'omega': np.linspace(0.7, 0.9, 16), 'zeta': np.linspace(0.01, 0.05, 12)}"
@@ -142,3 +143,36 @@ def test_other_options_are_refused_while_work_is_under_way(tmp_path):
         here("diagram", tmp_path / "shared")
     work.kill()
     work.communicate(timeout=HANG)
+
+
+FEW = "transient=1, record=2, threads=1, store=STORE"
+CALLS = {
+    "ensemble": f"ns.ensemble(system, {{'x': [0.0]}}, {FEW})",
+    "bifurcation_diagram": f"ns.bifurcation_diagram(system, 'omega', [0.8], {FEW})",
+    "waterfall": f"ns.waterfall(system, 'omega', [0.8], 'x', {FEW})",
+    "contact_statistics": f"ns.contact_statistics(system, 'omega', [0.8], {FEW})",
+    "regime_map": (
+        "ns.regime_map(system, {'omega': [0.8, 0.9], 'zeta': [0.1, 0.2]}, threads=1, store=STORE)"
+    ),
+    "basins_of_attraction": (
+        "ns.basins_of_attraction(ns.StroboscopicMap(system), {'x': np.linspace(-1, 1, 3), 'v':"
+        " np.linspace(-1, 1, 3)}, record=40, threads=1, store=STORE)"
+    ),
+    "bifurcation_picture": (
+        "ns.bifurcation_picture(system, 'omega', (0.8, 0.9), {'x': (-1, 1), 'v': (-1, 1)},"
+        " store=STORE)"
+    ),
+    "cluster.run_calls": (
+        "ns.cluster.run_calls(ns.simulate, [{'periods': 1}], system=system, store=STORE)"
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_the_folder_of_another_call_is_no_store_of_other_options(name, tmp_path):
+    with Store.open(tmp_path / "s", {"call": "posterior", "walkers": 8}, 4):
+        pass
+    with pytest.raises(ns.OptionError, match="another kind of call") as refused:
+        eval(CALLS[name], {"ns": ns, "np": np, "system": ns.models.soft_impact(),
+                           "STORE": tmp_path / "s"})  # fmt: skip
+    assert str(refused.value).endswith(f"results of posterior, not of {name}; give another folder")

@@ -123,6 +123,25 @@ def test_a_corner_has_the_draws_of_bootstrap_and_posterior(found):
         ns.plot.corner(found, posterior=found)
 
 
+@pytest.mark.parametrize("names", [["k"], ["k", "c"]])
+def test_the_legend_of_a_corner_names_all_that_is_drawn(found, names):
+    rng = np.random.default_rng(2)
+    values = rng.normal(found["estimate"].sel(parameter=names), 0.01, (9, 4, len(names)))
+    posterior = xr.Dataset(
+        {"posterior_value": (("draw", "walker", "parameter"), values)}, {"parameter": names}
+    )
+    panels = ns.plot.corner(found, names, posterior=posterior)
+    said = panels[0].figure.legends[0].get_texts()
+    pairs = ["its 68 % and 95 %", "estimate"] * (len(names) > 1)
+    assert sorted(text.get_text() for text in said) == sorted([
+        "95 % interval of the fit", "posterior", "bootstrap", "normal density of the fit", *pairs
+    ])  # fmt: skip
+    line = labelled(panels[0], "normal density of the fit")
+    across, density = line.get_xydata().T
+    assert across[density.argmax()] == pytest.approx(float(found["estimate"].sel(parameter="k")),
+                                                     abs=0.01 * np.ptp(across))  # fmt: skip
+
+
 @pytest.mark.few(6)
 @pytest.mark.parametrize("deviation", [0.0003, 0.0008, 0.0012, 0.002])
 @pytest.mark.parametrize("inches", [2.2, 3.0, 4.0])

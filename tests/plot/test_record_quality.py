@@ -36,6 +36,17 @@ def test_a_note_on_the_whole_channel_stands_in_the_legend(flawed):
     assert ax.get_xlim() == (0.2, 0.8)
 
 
+@pytest.mark.parametrize(
+    ("shown", "named"),
+    [((0.55, 0.6), {"frozen"}), ((1.4995, 1.5005), {"spike"}), ((0.02, 0.05), set())],
+)
+def test_the_legend_names_what_is_in_the_picture_only(flawed, shown, named):
+    ax = ns.plot.quality(flawed, ns.measured.check(flawed), "x", time_range=shown)
+    assert set(ax.get_legend_handles_labels()[1]) == named
+    assert (ax.get_legend() is not None) == bool(named)
+    assert len(ax.collections) == len(named)
+
+
 def test_wrong_use(flawed):
     found = ns.measured.check(flawed, channels="x")
     with pytest.raises(ns.OptionError, match="says nothing of y"):

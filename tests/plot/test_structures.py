@@ -1,8 +1,11 @@
 """Pictures of linear structures show what the datasets hold."""
 
+import re
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth.structures import Beam, Bearing, campbell, natural_modes, root_locus, shaft
@@ -117,6 +120,29 @@ def test_amplitude_and_phase_of_an_unbalance_response(rotor):
     (polar,) = ns.plot.unbalance_response(found, "2y", kind="polar")
     path = next(line for line in polar.lines if line.get_label() == "2y").get_xydata()
     np.testing.assert_array_equal(path @ [1.0, 1.0j], found["displacement"].sel(coordinate="2y"))
+
+
+@pytest.mark.parametrize("size", [1.05e-2, 1.05e-5, 1.0])
+def test_both_axes_of_a_polar_plot_have_one_unit(size):
+    """Numbers along x reach just beyond a power of ten, those along y do not."""
+    speeds = np.linspace(19.0, 21.0, 40)
+    path = size * (np.linspace(-1.0, 0.0, 40) - 0.1j * np.cos(speeds))
+    found = xr.Dataset(
+        {"displacement": (("speed", "coordinate"), path[:, None])},
+        {"speed": ("speed", speeds, {"units": "rad/s"}), "coordinate": ["1x"]},
+    )
+    found["amplitude"] = abs(found["displacement"])
+    (ax,) = ns.plot.unbalance_response(found, kind="polar")
+    ax.figure.draw_without_rendering()
+    units = [label[label.index("[") :] for label in (ax.get_xlabel(), ax.get_ylabel())]
+    assert units[0] == units[1]
+    power = re.search(r"\^\{(-?\d+)\}", units[0])
+    factor = 10.0 ** int(power[1]) if power else 1.0
+    for axis in (ax.xaxis, ax.yaxis):  # numbers times the power are the places
+        texts = [t.get_text().replace("\N{MINUS SIGN}", "-") for t in axis.get_ticklabels()]
+        np.testing.assert_allclose(
+            [float(text) * factor for text in texts], axis.get_ticklocs(), atol=1e-6 * size
+        )
 
 
 def test_a_frequency_response_has_a_curve_for_each_pair(rotor):

@@ -133,6 +133,40 @@ def test_orders_reach_over_the_whole_axis(spectra, kind, over):
         np.testing.assert_allclose(x, wanted, rtol=1e-9)
 
 
+@pytest.mark.parametrize("two_sided", [False, True])
+@pytest.mark.parametrize(
+    ("first", "highest", "ends"),
+    [
+        (1.2, 1.0, "top right"),
+        (1.2, 3.0, "top right"),
+        (0.2, None, "top right"),
+        (1.9, None, "top"),
+    ],
+)
+def test_names_of_orders_are_apart(ax, two_sided, first, highest, ends):
+    """At speeds up to 2 the order n is at n 2/(2 pi) at most, and beyond the axis above that."""
+    speeds = np.linspace(first, 2.0, 4)
+    harmonic = np.arange(-15.0 if two_sided else 0.0, 16.0)
+    data = xr.Dataset(
+        {
+            "amplitude": (("parameter", "harmonic"), np.ones((4, harmonic.size))),
+            "period": ("parameter", 2.0 * np.pi / speeds),
+        },
+        {"parameter": speeds, "harmonic": harmonic},
+    )
+    data = data.assign_coords(frequency=data["harmonic"] / data["period"])
+    ns.plot.waterfall(data, ax=ax, highest=highest)
+    ax.figure.draw_without_rendering()
+    names = {text.get_text(): text.get_window_extent() for text in ax.texts}
+    assert "1X" in names and len(names) > 2
+    boxes, inside = list(names.values()), ax.get_window_extent()
+    assert not any(one.overlaps(other) for k, one in enumerate(boxes) for other in boxes[:k])
+    assert not any(one.overlaps(inside) for one in boxes)
+    top, right = (any(getattr(b, s) >= getattr(inside, e) for b in boxes)
+                  for s, e in (("y0", "y1"), ("x0", "x1")))  # fmt: skip
+    assert (top, right) == ("top" in ends, "right" in ends)
+
+
 def test_the_highest_order_is_seen_as_a_whole(spectra, ax):
     """The main lobe of the Hann window is two lines wide on each side; 12 periods are recorded."""
     ns.plot.waterfall(spectra, ax=ax, kind="map", over="harmonic", highest=4.0)

@@ -104,6 +104,20 @@ def test_other_options_are_refused_by_name(tmp_path, now, n_tasks, lines):
         assert line in str(refused.value)
 
 
+def test_a_store_of_another_call_is_refused_as_such(tmp_path):
+    """Options of two calls are not held beside each other; former stores do not name theirs."""
+    path = tmp_path / "s"
+    Store.open(path, {"call": "ensemble", "initial": 1}, 3).close()
+    with pytest.raises(OptionError, match="another kind of call") as refused:
+        Store.open(path, {"call": "waterfall", "values": 2}, 4)
+    assert "results of ensemble, not of waterfall; give another" in str(refused.value)
+    assert "then" not in str(refused.value)
+    with pytest.raises(OptionError, match="other options:\n  initial: 1 then, 2 now\nrepeat"):
+        Store.open(path, {"call": "ensemble", "initial": 2}, 3)
+    Store.open(tmp_path / "former", {"initial": 1}, 3).close()
+    Store.open(tmp_path / "former", {"call": "ensemble", "initial": 1}, 3).close()
+
+
 @pytest.mark.parametrize("damage", ["cut", "flip", "empty"])
 def test_damaged_chunks_are_told_and_not_done(tmp_path, damage):
     with Store.open(tmp_path / "s", {}, 4) as store:

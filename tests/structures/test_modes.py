@@ -226,3 +226,62 @@ def test_forward_is_the_sense_in_which_the_shaft_turns():
     )
     words = [natural_modes(disc, speed)["direction"].values.tolist() for speed in (5.0, -5.0)]
     assert words[0] == words[1] and set(words[0]) == {"forward", "backward"}
+
+
+@pytest.mark.parametrize("n", [4, 30])
+@pytest.mark.parametrize("speed", [0.0, 300.0])
+def test_without_damping_the_ratio_is_zero_without_a_sign(n, speed):
+    held = [ns.structures.Bearing([f"{i}x", f"{i}y"], [[2e6, 0.0], [0.0, 1e6]]) for i in (0, n)]
+    disc = ns.structures.Disc.from_geometry(n // 2, 0.02, 0.2, 0.02)
+    rotor = ns.structures.shaft(
+        [ns.structures.Beam(0.6 / n, 0.02)] * n, discs=[disc], bearings=held
+    )
+    found = natural_modes(rotor, speed, count=4)
+    diagram = ns.structures.campbell(rotor, [0.0, speed + 50.0, 2.0 * speed + 100.0], count=2)
+    decays = [found["damping_ratio"], found["log_decrement"], diagram["damping_ratio"]]
+    decays += [diagram["critical_damping_ratio"], found["eigenvalue"].real]
+    for each in decays:
+        assert each.size == 0 or not each.values.any()
+    for each in decays[:-1]:
+        assert not np.signbit(each.values).any()
+    assert speed == 0.0 or diagram.sizes["critical"]
+
+
+@pytest.mark.parametrize("n", [6, 30])
+@pytest.mark.parametrize("beta", [1e-18, 1e-14, 1e-9, -1e-14])
+def test_the_least_damping_is_known_to_its_digits(n, beta):
+    """Of damping in proportion to the stiffness the ratio is beta omega / 2, of either sign.
+
+    Rounding of an eigenvalue is that of the largest one, 1e4 to 1e6 times these, or 1e-12 of them;
+    as much of other modes is in a vector, whose share in the loss is as large.
+    """
+    held = [ns.structures.Bearing([f"{i}x", f"{i}y"], [[2e6, 0.0], [0.0, 1e6]]) for i in (0, n)]
+    beam = ns.structures.shaft([ns.structures.Beam(0.6 / n, 0.02)] * n, bearings=held)
+    mass, _, stiffness = beam.at_speed(0.0)
+    found = natural_modes(ns.Structure(mass, stiffness, damping=beta * stiffness), count=4)
+    ratio = found["damping_ratio"] / (0.5 * beta * found["natural_frequency"])
+    np.testing.assert_allclose(ratio, 1.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("cross", [1e-9, 1e-7, 1e-5])
+def test_the_least_cross_stiffness_drives_one_whirl_and_damps_the_other(cross):
+    """With z = x + i y: z'' + (4 - i cross) z = 0, so the growth of one is the decay of the other.
+
+    Vectors of eigenvalues so near each other are known to EPS 4 / cross, of which the balance of
+    powers has the square.
+    """
+    found = natural_modes(ns.Structure(np.eye(2), [[4.0, cross], [-cross, 4.0]]))
+    exact = cross / 4.0 * (1.0 - cross**2 / 128.0)  # imaginary part of the root, in series
+    np.testing.assert_allclose(np.sort(found["eigenvalue"].values.real), [-exact, exact],
+                               rtol=1e-9)  # fmt: skip
+
+
+def test_growth_without_any_feed_stays():
+    """Where gyroscopic moments just fail to hold what falls, powers are in balance all the same.
+
+    x'' + g y' - x = 0, y'' - g x' - y = 0: the eigenvalues are (+-i g +- sqrt(4 - g^2)) / 2.
+    """
+    g = 2.0 * np.sqrt(1.0 - 1e-8)
+    falling = ns.Structure(np.eye(2), -np.eye(2), gyroscopic=[[0.0, g], [-g, 0.0]])
+    found = natural_modes(falling, 1.0)["eigenvalue"].values
+    np.testing.assert_allclose(np.sort(found.real), [-1e-4, 1e-4], rtol=1e-6)

@@ -167,6 +167,7 @@ def basins_of_attraction(
         **shared.recorded,
     }
     protocol = {
+        "call": "basins_of_attraction",
         "system": chosen.system.to_toml(),
         **{
             f"region_{name}": np.asarray(axis) for name, axis in zip(region, grid.axes, strict=True)

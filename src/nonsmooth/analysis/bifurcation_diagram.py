@@ -213,6 +213,7 @@ def bifurcation_diagram(
         lambda: _make_worker(chosen, tolerance),
         store=shared.store,
         protocol={
+            "call": "bifurcation_diagram",
             "system": system.to_toml(),
             "parameter": parameter,
             "values": grid,

@@ -217,6 +217,7 @@ def bifurcation_picture(
         **shared.recorded,
     }  # fmt: skip
     protocol = {
+        "call": "bifurcation_picture",
         "system": base.to_toml(), "parameter": parameter, "between": [low, high],
         "columns": values.size, "longest": longest, "searches": n_searches, "steps": steps,
         "region": {name: [float(end) for end in ends] for name, ends in region.items()},

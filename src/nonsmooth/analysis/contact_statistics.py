@@ -149,7 +149,7 @@ def contact_statistics(
         refuse_fixed(system, parameters, (parameter,), "values")
     swept = run_sweep(
         sweep, name, grid, lambda settled: contact_numbers(settled, asked),
-        label="contact statistics", options=asked.options,
+        call="contact_statistics", options=asked.options,
     )  # fmt: skip
     result = contact_dataset(sweep, name, swept, asked)
     if parameter is None:

@@ -168,6 +168,7 @@ def ensemble(
     if store is None:
         return work.in_memory(frame)
     asked = {
+        "call": "ensemble",
         "system": attrs["system"],
         "initial": protocol.members.starts,
         "parameters": protocol.members.sets,

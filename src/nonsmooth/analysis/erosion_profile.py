@@ -204,7 +204,8 @@ def _labels(
     """Labels of the cells at one value."""
     own = shared if shared.store is None else replace(shared, store=part_of_store(shared.store, k))
     protocol = {
-        "system": chosen.system.to_toml(), "value": column.value, **options,
+        "call": "erosion_profile", "system": chosen.system.to_toml(), "value": column.value,
+        **options,
         **{f"region_{name}": axis for name, axis in zip(
             grid.completion.given, grid.axes, strict=True)},
     }  # fmt: skip

@@ -192,7 +192,7 @@ def regime_map(
     options |= question.recorded
     plane = Plane(
         question.protocol, question.strobes, question.names, fine, initial, mode, tolerance,
-        workers, store, way, options | question.told,
+        workers, store, way, {"call": "regime_map"} | options | question.told,
     )  # fmt: skip
     filled = refine_borders(plane.grid.keys, levels, plane.compute)
     if fill == "motions":

@@ -185,7 +185,7 @@ def waterfall(
         "second_variable": names[1] if len(names) == 2 else "",
     }
     swept = run_sweep(
-        sweep, parameter, grid, reduce, label="waterfall", options=options,
+        sweep, parameter, grid, reduce, call="waterfall", options=options,
     )  # fmt: skip
     number = np.arange(length // 2 + 1) if len(names) == 1 else np.arange(length) - length // 2
     rows = Rows(

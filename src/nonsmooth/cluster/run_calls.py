@@ -114,6 +114,7 @@ def run_calls(
     asked = _checked(function, calls, options)
     again = check_flag("retry", retry)
     protocol = {
+        "call": "cluster.run_calls",
         "function": f"{function.__module__}.{getattr(function, '__qualname__', function)}",
         "calls": [_told(f"calls[{i}]", call) for i, call in enumerate(asked)],
         "options": _told("options", options),

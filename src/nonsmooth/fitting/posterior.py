@@ -142,7 +142,9 @@ def posterior(
     density = _Posterior(shooting, channels, u, noise, prior)
     least = 2 * density.size
     number = least + 2 if walkers is None else whole_number("walkers", walkers, least)
-    protocol = {"walkers": number, "seed": chosen, **density.protocol(found)}
+    protocol = {
+        "call": "posterior", "walkers": number, "seed": chosen, **density.protocol(found)
+    }  # fmt: skip
     chain = draw_chain(
         density, density.proposal, number, left_out + count, chosen, store=store, protocol=protocol
     )

@@ -30,7 +30,7 @@ _MOST = 50  # spectra below each other that are still told apart
 _HEIGHT = 8.0  # of the highest line, in distances of spectra
 _MOST_MARKED = 12  # orders that are marked
 _DASHES = (0, (5.0, 15.0))  # and gaps between them, in widths of the line
-_LABEL = 2.8  # width of the name of an order, in letters
+_LABEL, _TALL = 2.8, 1.4  # width and height of the name of an order, in letters
 _BESIDE = 1.04  # of the highest frequency or harmonic: a line there is seen as a whole
 _ORDER = "order (frequency over that of the forcing)"
 
@@ -234,29 +234,60 @@ def _over_the_axis(data: xr.Dataset, over: str, low: float, top: float) -> tuple
 
 
 def _mark_orders(data: xr.Dataset, ax: Axes, over: str, last: float) -> None:
-    """Dashes along the harmonics of the forcing, far apart, with their numbers above.
+    """Dashes along the harmonics of the forcing, far apart, with their numbers at the ends.
 
     Lines of spectra lie on them, and are to be seen between the dashes.
     """
-    low, top = ax.get_ylim()
-    values, unit = _over_the_axis(data, over, low, top)
+    values, unit = _over_the_axis(data, over, *ax.get_ylim())
     two_sided = float(data["harmonic"].min()) < 0.0
     most = min(int(last / unit[1:-1].max() * (1.0 + 1e-9)), _MOST_MARKED)
-    size = float(ax.xaxis.label.get_fontsize()) - 1.5
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    across = ax.get_window_extent().width / figure.dpi * 72.0 / (2.0 * last if two_sided else last)
-    every = max(1, math.ceil(_LABEL * size / (across * float(unit[-1]))))  # that leaves room
-    for order in [n for n in range(-most if two_sided else 1, most + 1) if n]:
+    orders = [n for n in range(-most if two_sided else 1, most + 1) if n]
+    for order in orders:
         ax.plot(
             order * unit, values, color=PALETTE["blue"], linestyle=_DASHES, linewidth=0.6,
             zorder=3,
         )  # fmt: skip
-        place = float(np.clip(order * unit[-1], -last, last))
-        if (abs(order) - 1) % every:
+    ends = {n: _end_of_line(n * unit, values, last) for n in sorted(orders, key=abs)}
+    _name_orders(ax, ends, -last if two_sided else 0.0, last)
+
+
+def _end_of_line(across: Floats, up: Floats, last: float) -> tuple[float, float]:
+    """Where a line leaves the picture, at its top or before that at a side."""
+    inside = np.flatnonzero(np.abs(across) <= last)
+    k = int(inside[-1]) if inside.size else 0
+    if k + 1 == across.size:
+        return float(across[-1]), float(up[-1])
+    side = math.copysign(last, across[k + 1])
+    share = (side - across[k]) / (across[k + 1] - across[k])
+    return side, float(up[k] + share * (up[k + 1] - up[k]))
+
+
+def _name_orders(ax: Axes, ends: dict[int, tuple[float, float]], first: float, last: float) -> None:
+    """Names of orders at the ends of their lines, of which those stay that touch none before.
+
+    At the left side, where the numbers of the axis stand, there is room for none: the order of the
+    other sign has its name at the right.
+    """
+    low, top = ax.get_ylim()
+    size = float(ax.xaxis.label.get_fontsize()) - 1.5
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    extent = ax.get_window_extent()
+    room = np.array([extent.width, extent.height]) / figure.dpi * 72.0
+    taken: list[Floats] = []
+    for order, (x, y) in ends.items():
+        above = y == top
+        if not above and x < 0.0:
             continue
+        beyond = (0.0, 1.0) if above else (3.0, 0.0)
+        middle = np.array([(x - first) / (last - first), (y - low) / (top - low)]) * room
+        middle += np.array(beyond) + 0.5 * size * np.array([0.0, _TALL] if above else [_LABEL, 0.0])
+        if any((np.abs(middle - each) < (_LABEL * size, _TALL * size)).all() for each in taken):
+            continue
+        taken.append(middle)
         ax.annotate(
-            f"{order}X".replace("-", "\N{MINUS SIGN}"), (place, top), xytext=(0.0, 1.0),
-            textcoords="offset points", ha="center", va="bottom", fontsize=size,
-            color=PALETTE["blue"], annotation_clip=False,
+            f"{order}X".replace("-", "\N{MINUS SIGN}"), (x, y), xytext=beyond,
+            textcoords="offset points", fontsize=size, color=PALETTE["blue"],
+            annotation_clip=False, ha="center" if above else "left",
+            va="bottom" if above else "center",
         )  # fmt: skip

@@ -170,15 +170,16 @@ def _draw_one(
     """Density of one parameter."""
     estimate, deviation = float(one["estimate"]), float(one["standard_error"])
     ax.axvspan(float(one["interval_low"]), float(one["interval_high"]), color=PALETTE["sky"],
-               alpha=0.25, linewidth=0.0, zorder=0, label="95 % interval")  # fmt: skip
+               alpha=0.25, linewidth=0.0, zorder=0, label="95 % interval of the fit")  # fmt: skip
     for drawn, values in draws:
         count = int(np.clip(len(values) ** 0.5, *_BARS))
         bars = np.linspace(*view, count + 1)
         ax.hist(values, bars.tolist(), density=True, histtype="step", color=drawn.colour,
-                linewidth=0.9)  # fmt: skip
+                linewidth=0.9, label=drawn.label)  # fmt: skip
     across = np.linspace(*view, _POINTS)
     density = np.exp(-0.5 * ((across - estimate) / deviation) ** 2)
-    ax.plot(across, density / (deviation * np.sqrt(2.0 * np.pi)), color="black", linewidth=0.9)
+    ax.plot(across, density / (deviation * np.sqrt(2.0 * np.pi)), color="black", linewidth=0.9,
+            label="normal density of the fit")  # fmt: skip
     ax.set_ylim(bottom=0.0)
 
 
@@ -197,7 +198,7 @@ def _draw_pair(
     angle = np.linspace(0.0, 2.0 * np.pi, _POINTS)
     circle = np.stack([np.cos(angle), np.sin(angle)])
     middle = data["estimate"].sel(parameter=list(pair)).values
-    for level, label in zip(_JOINT, ("normal, 68 % and 95 %", "_"), strict=True):
+    for level, label in zip(_JOINT, ("its 68 % and 95 %", "_"), strict=True):
         edge = vectors @ (np.sqrt(level * np.maximum(spreads, 0.0))[:, None] * circle)
         ax.plot(*(middle[:, None] + edge), color="black", linewidth=0.9, label=label)
     ax.plot(*middle[:, None], "+", color="black", markersize=6.0, label="estimate")

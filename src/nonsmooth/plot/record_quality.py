@@ -47,7 +47,8 @@ def quality(
 
     Stretches that are frozen or missing are shaded, and so are gaps and missing marks; samples
     that are clipped have a bar and spikes a ring. What concerns the whole channel, such as a
-    drift, stands in the legend.
+    drift, stands in the legend. Of the flaws of single times the legend names those that are in the
+    picture.
 
     Parameters
     ----------
@@ -106,9 +107,9 @@ def quality(
     for kind in dict.fromkeys(kinds[here]):
         rows = np.flatnonzero(here & (kinds == kind))
         if kind in _SHADED:
-            _shade(ax, found, rows, str(kind), _LEAST * (high - low))
+            _shade(ax, found, rows, str(kind), (low, high))
         elif kind in _MARKED:
-            _mark(ax, record, found, channel, str(kind))
+            _mark(ax, record, found, channel, str(kind), (low, high))
         else:
             ax.plot([], [], " ", label=f"{kind} ({float(found['size'][rows[0]]):.3g})")
     ax.set_xlim(low, high)
@@ -118,12 +119,14 @@ def quality(
     return ax
 
 
-def _shade(ax: Axes, found: xr.Dataset, rows: Any, kind: str, least: float) -> None:
-    """One broad bar for each stretch, behind the curve."""
-    bars = [
-        (float(found["begin"][k]), max(float(found["end"][k] - found["begin"][k]), least))
-        for k in rows
-    ]
+def _shade(ax: Axes, found: xr.Dataset, rows: Any, kind: str, shown: tuple[float, float]) -> None:
+    """One broad bar for each stretch that is in the picture, behind the curve."""
+    low, high = shown
+    least = _LEAST * (high - low)
+    ends = [(float(found["begin"][k]), float(found["end"][k])) for k in rows]
+    bars = [(a, max(b - a, least)) for a, b in ends if a <= high and b >= low]
+    if not bars:
+        return
     colour = PALETTE[_SHADED[kind]]
     ax.broken_barh(
         bars, (0.0, 1.0), transform=ax.get_xaxis_transform(), color=colour, alpha=_PALE,
@@ -131,12 +134,19 @@ def _shade(ax: Axes, found: xr.Dataset, rows: Any, kind: str, least: float) -> N
     )  # fmt: skip
 
 
-def _mark(ax: Axes, record: xr.Dataset, found: xr.Dataset, channel: str, kind: str) -> None:
-    """Marks on the samples that have the flag of a kind."""
+def _mark(
+    ax: Axes,
+    record: xr.Dataset,
+    found: xr.Dataset,
+    channel: str,
+    kind: str,
+    shown: tuple[float, float],
+) -> None:
+    """Marks on the samples in the picture that have the flag of a kind."""
     flags = found[f"{channel}_quality"]
     bits = dict(zip(flags.attrs["flag_meanings"].split(), flags.attrs["flag_masks"], strict=True))
-    chosen = (flags.values & bits[kind]) > 0
-    ax.scatter(
-        record["time"].values[chosen], record[channel].values[chosen], label=kind, zorder=3,
-        **_MARKED[kind],
-    )  # fmt: skip
+    time = record["time"].values
+    chosen = ((flags.values & bits[kind]) > 0) & (time >= shown[0]) & (time <= shown[1])
+    if not chosen.any():
+        return
+    ax.scatter(time[chosen], record[channel].values[chosen], label=kind, zorder=3, **_MARKED[kind])

@@ -5,6 +5,7 @@ matplotlib is imported with this module: import it where something is drawn.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -34,7 +35,8 @@ def set_numbers(ax: Axes) -> None:
 class _PowerInLabel(ScalarFormatter):
     """Numbers whose power of ten stands in the label of the axis: ``displacement [10⁻⁶ m]``.
 
-    At the end of the axis, where matplotlib has it, it would meet the label or the legend.
+    At the end of the axis, where matplotlib has it, it would meet the label or the legend. Axes of
+    equal scales have one power, that of the larger numbers: lengths along both are compared.
     """
 
     def __init__(self) -> None:
@@ -44,6 +46,9 @@ class _PowerInLabel(ScalarFormatter):
 
     def set_locs(self, locs: Any) -> None:
         """Choose the power for some numbers, and write it into the labels of the axis."""
+        power = self._common_power()
+        self.set_scientific(power != 0)  # powers from 0 to 0 would let each axis choose its own
+        self.set_powerlimits(_POWERS if power is None else (power, power))
         super().set_locs(locs)
         for axis in self._labelled():
             text = axis.label.get_text()
@@ -55,6 +60,15 @@ class _PowerInLabel(ScalarFormatter):
     def get_offset(self) -> str:
         """What stands at the end of the axis: the power, where there is no label to hold it."""
         return "" if self._labelled() else super().get_offset()
+
+    def _common_power(self) -> int | None:
+        """Power of ten for both axes, where their scales are equal."""
+        axes = getattr(self.axis, "axes", None)
+        if axes is None or axes.get_aspect() != 1.0:
+            return None
+        largest = float(np.abs([axes.get_xlim(), axes.get_ylim()]).max())
+        power = math.floor(math.log10(largest)) if 0.0 < largest < math.inf else 0
+        return power if power <= _POWERS[0] or power >= _POWERS[1] else 0
 
     def _labelled(self) -> list[Axis]:
         """Axes with these numbers that have a label."""

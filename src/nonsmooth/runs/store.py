@@ -129,8 +129,9 @@ class Store:
         """Store in a folder, made where it is missing, for this process alone unless ``shared``.
 
         ``protocol`` holds every option that the results depend on, by the name that users know:
-        numbers, texts, arrays, and lists and mappings of these. A folder of another protocol is
-        refused. Chunks that are damaged are told, removed, and count as not done.
+        numbers, texts, arrays, and lists and mappings of these; and as its ``call`` the function
+        that was called. A folder of another protocol is refused. Chunks that are damaged are told,
+        removed, and count as not done.
         """
         folder = _folder(path)
         _refuse_strangers(folder)
@@ -246,6 +247,12 @@ class Store:
                 " read; give another folder"
             ) from None
         now = {**whole.pop("protocol"), **whole}
+        held, call = former.pop("call", None), now.pop("call", None)
+        if held not in (None, call):  # former stores do not say; options of two calls have no match
+            raise OptionError(
+                f"store = {str(self.folder)!r} belongs to another kind of call: it holds results of"
+                f" {held}, not of {call}; give another folder"
+            )
         different = differences(former, now)
         if different:
             raise OptionError(

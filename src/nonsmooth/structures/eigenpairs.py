@@ -5,6 +5,10 @@ all of them come from one dense decomposition. Else shift and invert: Arnoldi's 
 factorisation, and one more run of it on what is left over when the space of the eigenvectors found
 is taken out, which would show an eigenvalue that was passed over. This is needed where two are
 equal, as those of a shaft in both planes.
+
+Rounding of an eigenvalue is relative to its modulus, or worse: to the largest one of the pencil.
+Damping that is little beside it would drown, and a structure without any would have some of either
+sign. The power that the motion loses tells it to nearly all digits, see `_balanced`.
 """
 
 from __future__ import annotations
@@ -31,6 +35,8 @@ _NEAR_ZERO = 1e-4  # of the size of a frequency: where eigenvalues may be those 
 _NO_FORCE = 1e-14  # of the sum of the sizes of its terms
 _SAME_DIRECTION = 1e-3  # between vectors of such eigenvalues
 _MOST_STEPS = 12  # of a refinement, which doubles the digits with each
+_LITTLE = 1e-3  # damping ratio below which the balance of power is more exact than the eigenvalue
+_OUTWEIGHS = 1e-3  # of its terms: a sum that is not their rounding
 _ROUNDING = 64.0 * float(np.finfo(float).eps)
 
 
@@ -68,7 +74,40 @@ def nearest_to_zero(pencil: Pencil, count: int | None) -> Eigenpairs:
     else:
         found = _by_arnoldi(pencil, wanted)
     some = slice(None if count is None else wanted)
-    return Eigenpairs(found.values[some], found.vectors[:, some])
+    values, vectors = found.values[some], found.vectors[:, some]
+    return Eigenpairs(_balanced(pencil, values, vectors), vectors)
+
+
+def _balanced(pencil: Pencil, values: Array, vectors: Array) -> Array:
+    r"""Eigenvalues of little damping, whose real part is that of the balance of power.
+
+    With :math:`m = \phi^* M \phi`, and c and k alike, an eigenpair has
+    :math:`\lambda^2 m + \lambda c + k = 0`, of which the product with the conjugate of lambda
+    has the real part
+    :math:`\mathrm{Re}\lambda\,(|\lambda|^2 \mathrm{Re}\,m + \mathrm{Re}\,k) +
+    |\lambda|^2 \mathrm{Re}\,c + \mathrm{Im}\lambda\,(\mathrm{Im}\,k -
+    |\lambda|^2 \mathrm{Im}\,m) = 0`. What feeds or drains the motion, the symmetric part of C and
+    the skew parts of K and M, are taken as matrices of their own, so that they are zero to the last
+    digit where there are none, and else have the relative error of the vector.
+    """
+    size = np.abs(values)
+    some = (np.abs(values.real) < _LITTLE * size) & (values.imag > 0.0)
+    if not some.any():
+        return values
+    shapes, square, turn = vectors[:, some], size[some] ** 2, values.imag[some]
+
+    def form(matrix: Any) -> Array:
+        return np.asarray(np.einsum("ij,ij->j", shapes.conj(), matrix @ shapes))
+
+    inertia, stiffness = square * form(pencil.M).real, form(pencil.K).real
+    drained = square * form(0.5 * (pencil.C + pencil.C.T)).real
+    fed = [form(0.5 * (each - each.T)).imag for each in (pencil.K, pencil.M)]
+    loss, energy = drained + turn * (fed[0] - square * fed[1]), inertia + stiffness
+    told = energy > _OUTWEIGHS * (inertia + np.abs(stiffness))
+    real = np.where(told, (0.0 - loss) / np.where(told, energy, 1.0), values.real[some])
+    found = values.copy()
+    found[some] = real + 1j * turn
+    return found
 
 
 def _sorted(values: Array, vectors: Array, pencil: Pencil) -> Eigenpairs:
@@ -215,7 +254,8 @@ def refined(pencil: Pencil, value: complex, vector: Array) -> tuple[complex, Arr
         if abs(step) <= _ROUNDING * abs(value) or last <= min(abs(step), _CLOSE * abs(value)):
             break
         last = abs(step)
-    return complex(value), vector / np.linalg.norm(vector)
+    vector = vector / np.linalg.norm(vector)
+    return complex(_balanced(pencil, np.array([value], complex), vector[:, None])[0]), vector
 
 
 def _complex(matrix: Any) -> Any:

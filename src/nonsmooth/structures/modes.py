@@ -162,8 +162,9 @@ def eigenvalue_variables(dims: Any, values: Array) -> dict[str, Any]:
     """An eigenvalue, and what is read from it."""
     size = np.abs(values)
     with np.errstate(invalid="ignore", divide="ignore"):
-        ratio = np.where(size > 0.0, -values.real / size, 0.0)
-        decrement = np.where(values.imag > 0.0, -2.0 * np.pi * values.real / values.imag, np.nan)
+        decay = 0.0 - values.real  # zero without a sign where there is none
+        ratio = np.where(size > 0.0, decay / size, 0.0)
+        decrement = np.where(values.imag > 0.0, 2.0 * np.pi * decay / values.imag, np.nan)
     missing = np.isnan(size)
     ratio = np.where(missing, np.nan, ratio)
     speeds = {"units": "rad/s"}

@@ -114,7 +114,7 @@ def run_sweep(
     grid: npt.NDArray[np.float64],
     reduce: Reduce,
     *,
-    label: str,
+    call: str,
     options: Mapping[str, Any],
 ) -> Swept:
     """What ``reduce`` makes of the motion at each value, with its ``status``.
@@ -155,13 +155,13 @@ def run_sweep(
         lambda: SweepRunner(system, shared.tolerance),
         store=shared.store,
         protocol={
-            "system": system.to_toml(), "parameter": parameter, "values": grid, **sweep.options,
-            **options, "initial_state": [*begin.state, *begin.modes],
+            "call": call, "system": system.to_toml(), "parameter": parameter, "values": grid,
+            **sweep.options, **options, "initial_state": [*begin.state, *begin.modes],
         },
         pack=_pack,
         unpack=_unpack,
         threads=shared.workers,
-        label=label,
+        label=call.replace("_", " "),
         keep=keep,
         after={i: i - 1 for i in range(1, len(links))} if follow else None,
     )  # fmt: skip
