@@ -191,7 +191,7 @@ def test_basins_agree_with_an_integration_of_their_own(method):
     assert wrong <= (0 if method == "recurrences" else 1)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("turns", [0, 1, 2])
 def test_the_border_of_rest_and_rotation_is_found_from_any_turn(turns):
     """Its saddle is one of scipy, with the multipliers of its variational equations."""

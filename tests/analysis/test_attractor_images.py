@@ -30,6 +30,7 @@ def test_one_motion_is_its_own_image():
     assert float(turned["x"][-1]) == pytest.approx(-x, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_chaotic_set_is_its_own_image():
     found = ns.attractors(ns.models.duffing(), BOX, samples=20, record=3000)
     assert found["kind"].values.tolist() == ["chaotic"]

@@ -77,6 +77,7 @@ def test_the_chance_to_miss_a_small_basin_is_as_documented() -> None:
     assert float(found["fraction"][1]) == pytest.approx(0.01, abs=0.003)
 
 
+@pytest.mark.slow
 def test_the_seed_changes_the_starts_and_not_the_attractors() -> None:
     mole = ns.models.moling(a=0.3, b=0.1, xi=0.1, omega=1.45)
     box, rest = {"p": (-3, 1), "y": (-1, 1)}, {"q": "max(0, p - g)"}
@@ -126,6 +127,7 @@ def test_a_return_map_of_an_autonomous_system() -> None:
     assert np.abs(found["multiplier_real"].values[0]).max() == pytest.approx(decay**2, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_two_frequencies_are_quasi_periodic() -> None:
     """A limit cycle strobed at a time of its own: points dense in a closed curve."""
     circle = ns.System(
@@ -227,6 +229,7 @@ def test_a_family_of_cycles_takes_no_time_and_is_none() -> None:
     assert found.attrs["unsettled_starts"] == 4
 
 
+@pytest.mark.slow
 def test_a_hidden_phase_is_told() -> None:
     two = ns.System(
         name="two",
@@ -326,6 +329,7 @@ def test_no_attractor_is_told() -> None:
     assert found.attrs["message"].startswith("no attractors: all starts ended early")
 
 
+@pytest.mark.slow
 def test_starts_that_never_come_back_to_a_section_are_counted() -> None:
     """r' = -r (r^2 - 1) (r^2 - 4) / 8 turns round a circle of radius 2, or comes to rest within 1.
 
@@ -364,6 +368,7 @@ def test_a_set_that_converges_too_slowly_comes_with_a_cure():
     assert search_message("starts", 0, 0, []) == "completed"
 
 
+@pytest.mark.slow
 def test_a_cycle_that_is_reached_slowly_is_found() -> None:
     """The mole beside its flip: starts come nearer by 0.9989 a turn, as Newton's method tells."""
     mole = ns.models.moling(b=0.11)

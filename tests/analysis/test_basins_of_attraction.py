@@ -98,6 +98,7 @@ def test_labels_are_where_runs_go() -> None:
         assert int(basins["label"][i, j]) == nearest
 
 
+@pytest.mark.slow
 def test_the_mole_has_a_section_with_a_completion() -> None:
     mole = ns.models.moling(a=0.3, b=0.1, xi=0.1, omega=1.45)
     region = {"p": np.linspace(-3, 1, 24), "y": np.linspace(-1, 1, 20)}
@@ -119,7 +120,7 @@ def test_the_mole_has_a_section_with_a_completion() -> None:
     assert np.array_equal(basins["period"].values[basins["label"].values.ravel() - 1], found)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["cell mapping", "generalised cell mapping"])
 def test_cells_on_a_slaved_surface_stand_for_points_on_it(method: str) -> None:
     """The mole in three dimensions: q has cells, and contact lives on p = q + g."""
@@ -209,6 +210,7 @@ def test_states_called_like_parts_of_the_result(name: str) -> None:
     assert ns.attractors(pair, {name: (-1, 1)}, samples=8).sizes["attractor"] == 1
 
 
+@pytest.mark.slow
 def test_starts_whose_other_states_follow():
     """A rotor outside its ring's clearance: the ring's place is that of a run from there."""
     system = ns.models.rotor(eta=0.9, eps_x=1.0)

@@ -113,6 +113,7 @@ def test_the_best_orbit_is_an_orbit_for_other_verbs(mole, branch):
     assert ns.simulate(mole, end, periods=1, parameters={"b": end["b"].item()}).attrs["status"]
 
 
+@pytest.mark.slow
 def test_no_orbit_is_allowed(mole):
     low = ns.orbits(mole, samples=8, guesses=20, parameters={"b": 0.095}).isel(orbit=0)
     part = ns.continue_orbit(mole, "b", (0.09, 0.1), initial=low, parameters={"b": 0.095})

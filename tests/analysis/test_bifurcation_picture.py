@@ -239,6 +239,7 @@ def test_a_cycle_lies_on_a_branch_between_points_that_are_far_from_it() -> None:
     assert not collector.holds(branches.OrbitPoints(1.58, other))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("phase", [0.0, 0.3])
 def test_an_orbit_at_rest_at_the_strobe_is_one_branch(phase) -> None:
     """A follower that rides its cam is where the cam is, at rest at every strobe of phase 0.

@@ -175,6 +175,7 @@ def length_of_small_harvest() -> float:
     return float(back + np.log(b / (a * flow(back)[0] + b)) / a)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("threshold", "step", "largest"),
     [(1.0, 0.05, 0.2), (1.0, 1.0, 1.0), (1.1, 0.7, 0.7), (1.3, 0.5, 0.5)],

@@ -45,6 +45,7 @@ def test_a_branch_ends_where_a_requirement_fails():
     assert float(branch["z"].min()) == pytest.approx(0.05, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_a_branch_through_grazes_is_closed():
     """An isola: two folds, and two grazes at which an impact comes and goes."""
     wall = rigid_wall()
@@ -311,6 +312,7 @@ def test_a_branch_ends_at_the_last_motion_however_long_the_step(low):
     assert "on>off" in branch.attrs["message"]  # what happens beyond
 
 
+@pytest.mark.slow
 def test_a_branch_ends_where_both_walls_are_only_touched():
     """A ball in a cavity rests where the cavity just reaches it on either side.
 
@@ -356,6 +358,7 @@ def test_a_multiplier_that_is_rounding_of_an_infinite_one_is_infinite(sign):
     assert _telling(part) == 0.1
 
 
+@pytest.mark.slow
 def test_a_curve_of_special_points_ends_where_a_requirement_fails():
     """Grazes of a linear oscillator at a wall: F = d*sqrt((1 - w^2)^2 + (2 z w)^2)."""
     wall = ns.System(

@@ -61,7 +61,7 @@ def assert_no_part_twice(branch, parameter):
             assert off > 1e-2 * np.abs(step).max()
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("w", [0.8, 1.2, 2.0])
 def test_a_branch_does_not_turn_back_at_a_graze(w):
     """Of two impacts down to w = 0.7077, of three from there on: a fold, and stable below it."""
@@ -87,7 +87,7 @@ def test_a_branch_does_not_turn_back_at_a_graze(w):
         assert speeds.size == len(point["word"].item().split()) - 1
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("w", "impacts"), [(0.71, 2), (0.68, 3)])
 def test_motions_settle_to_the_branch_behind_grazes(w, impacts):
     system = oscillator(w)

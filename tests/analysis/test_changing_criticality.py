@@ -79,6 +79,7 @@ def test_the_coefficient_passes_a_pole_without_a_change() -> None:
     assert places(curve, "generalised_flip") == pytest.approx([1.5], abs=1e-8)
 
 
+@pytest.mark.slow
 def test_no_change_where_the_coefficient_is_rounding() -> None:
     """A linear map has none: what is computed of it is zero or rounding of either sign."""
     system = kicked(

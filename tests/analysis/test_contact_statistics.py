@@ -103,6 +103,7 @@ def test_variables_that_are_not_smooth(text, mean, largest):
     assert error < 1e-3
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("eta", [2.442, 3.0, 4.3])
 def test_the_rotor_against_a_run_with_many_samples(eta):
     """Counted from the event log, and averaged over samples, of a run of its own."""
@@ -145,7 +146,7 @@ def test_cells_and_other_modes():
     assert float(free["contact_share"]) == pytest.approx(1 - share, rel=1e-12)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("start", ["restart", "follow down"])
 def test_threads_and_stores_change_nothing(tmp_path, start):
     call = (ns.models.rotor(), "eta", np.linspace(2.2, 3.0, 19))

@@ -79,6 +79,7 @@ def test_grazing_from_the_side_of_impacts():
     assert "comes with zero speed to 'impact'" in str(branch["special_detail"].values[there])
 
 
+@pytest.mark.slow
 def test_from_a_graze_far_away():
     """The orbit grows by twenty times behind the graze of the rigid wall."""
     system = rigid_wall(omega=2.0, F=0.25)
@@ -177,6 +178,7 @@ def test_constructions_go_on_through_the_stop():
     assert a.min() == 0.3 and a.max() == 0.9
 
 
+@pytest.mark.slow
 def test_a_cycle_over_a_parameter():
     """Small mu: the length is 2 pi (1 + mu^2/16) but for mu^4 (van der Pol)."""
     branch = ns.continue_orbit(van_der_pol(), "mu", (0.05, 2.0), transient=10)

@@ -28,6 +28,7 @@ def ball():
     return ns.continue_orbit(ball_on_table(gamma, 0.8), "Gamma", (0.1, 2.0), initial=start)
 
 
+@pytest.mark.slow
 def test_grazing_of_the_soft_oscillator(soft):
     curve = ns.continue_special(soft, number_of(soft, "grazing"), "omega", (0.8, 0.9))
     a, omega = curve["a"].values, curve["omega"].values

@@ -78,6 +78,7 @@ def test_transcritical_point_of_the_logistic_map():
     assert found["amplitude_power"].item() == 1.0
 
 
+@pytest.mark.slow
 def test_fold_and_flip_of_the_third_iterate_of_the_logistic_map():
     """The window of period three begins at 1 + sqrt(8), with derivatives in 60 digits."""
     system = clocked(LOGISTIC, {"r": 3.84})
@@ -289,6 +290,7 @@ def cubic_map(seed: int) -> tuple[dict[str, str], np.ndarray]:
     return resets, image
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(6))
 def test_torus_of_a_cubic_map_of_the_plane(seed):
     """Random quadratic and cubic terms, beside the planar formula in 60 digits."""
@@ -306,6 +308,7 @@ def test_torus_of_a_cubic_map_of_the_plane(seed):
     assert found["criticality"].values[k] == ("supercritical" if exact < 0 else "subcritical")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("turns", "name"), [(1 / 3, "1:3"), (0.2545, "1:4"), (0.495, "1:2")])
 def test_strong_resonances_are_named(turns, name):
     resets, _ = cubic_map(0)
@@ -344,6 +347,7 @@ def ball():
     return branch, ns.criticality(branch)
 
 
+@pytest.mark.slow
 def test_flip_of_a_bouncing_ball(ball):
     """Through an impact, beside the map of the ball differentiated in 60 digits."""
     _, found = ball

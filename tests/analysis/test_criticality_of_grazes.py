@@ -99,6 +99,7 @@ def after_one_period(system, state, sigma):
     return run["end_state"].values
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_motions_leave_as_the_power_law_says(kind):
     """A motion that reaches a little deeper, beside the same one without the wall."""
@@ -326,6 +327,7 @@ def test_a_stop_with_a_damper_is_not_decided():
     assert "damper" in found["criticality_detail"].item()
 
 
+@pytest.mark.slow
 def test_multipliers_of_the_mole_jump_at_a_graze():
     """To what those behind it come to as the contact becomes short."""
     mole = ns.models.moling()

@@ -150,7 +150,7 @@ def orbits_beside(system, branch, found, k, beyond, **options):
     return orbits, [each[moving] for each in deviations], q[moving], away
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 def test_supercritical_flips_have_stable_doubled_orbits_of_the_amplitude(machine):
     """The half difference of the two points of the doubled orbit, to the order of the distance."""
     system, branch, found = machine
@@ -210,6 +210,7 @@ def test_the_flip_of_the_soft_impact_oscillator_has_the_curvature_of_two_amplitu
     assert told["side"].item() == "above"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["lower", "upper"])
 def test_symmetry_breaking_of_a_trilinear_oscillator(name):
     """The branch of unsymmetric orbits leaves on that side, and by the root of the distance."""

@@ -54,7 +54,7 @@ def test_boxes_of_the_carpet_are_counted():
     assert float(found["box_dimension"]) == pytest.approx(log(8) / log(3), abs=1e-12)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("corners", "ratio", "truth"), SETS)
 def test_dimensions_of_similar_copies(corners, ratio, truth):
     """Copies that are drawn with equal chances: both dimensions are those of the set."""

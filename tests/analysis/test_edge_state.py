@@ -216,6 +216,7 @@ def test_the_mode_of_the_starts_counts(mode, place):
     np.testing.assert_allclose(edge["multipliers"].values, np.exp([4.0, -1.0]), rtol=1e-11)
 
 
+@pytest.mark.slow
 def test_a_border_at_which_two_flows_part_has_no_saddle():
     """Where x + y = 0 the flow jumps away to both sides: the track is right, the map is not smooth.
 

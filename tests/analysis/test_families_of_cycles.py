@@ -139,7 +139,7 @@ def planar(stops: int, sign: float = 1.0, centre: float = 0.0) -> ns.System:
     )
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("stops", [1, 2])
 @pytest.mark.parametrize(("sign", "side", "bounds"), [
     (1.0, "above", (-0.1, 0.25)), (-1.0, "below", (-0.25, 0.1)),

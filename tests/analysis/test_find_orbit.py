@@ -142,6 +142,7 @@ def test_two_turns_of_a_cycle():
     assert int(twice["primitive_parts"]) == 2 and "2 times" in twice.attrs["message"]
 
 
+@pytest.mark.slow
 def test_a_failure_is_a_result_that_says_what_to_try():
     word = "progression contact no_contact contact progression"
     orbit = ns.find_orbit(MOLE, word=word, parameters={"b": 0.3})

@@ -77,6 +77,7 @@ def specials(branch) -> list[tuple[str, float]]:
     return list(zip(branch["special_kind"].values.tolist(), values, strict=True))
 
 
+@pytest.mark.slow
 def test_a_cycle_that_slips_goes_on_with_impacts_and_has_finite_multipliers():
     system = belt(vb=1.1)
     orbit = ns.find_orbit(system, {"x": 0.0, "v": 0.0}, transient=0)
@@ -103,6 +104,7 @@ def test_a_cycle_that_slips_goes_on_with_impacts_and_has_finite_multipliers():
     assert checked >= 4
 
 
+@pytest.mark.slow
 def test_a_cycle_with_impacts_goes_on_without_them():
     """It comes to the stop with less and less speed; without it, it shrinks to its rest."""
     system = belt()
@@ -160,6 +162,7 @@ def length_with_impact(g: float) -> float:
     return float(t + (g - x) / 0.4)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("g", [1.1, 0.95])
 def test_the_stop_is_met_before_the_belt_lets_go(g):
     """From where the belt lets go, at Fs - 2 z vb, the stop is met while the mass still sticks."""

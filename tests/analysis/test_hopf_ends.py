@@ -41,7 +41,7 @@ def drill() -> ns.System:
     )  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("transient", [10, 11, 12, 13])
 def test_the_place_on_the_cycle_does_not_matter(transient):
     system = van_der_pol()
@@ -78,6 +78,7 @@ def test_a_cycle_around_a_point_that_moves():
     assert branch["length"].values == pytest.approx(2.0 * np.pi, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_units_of_the_states_do_not_matter():
     """The same oscillator with displacements and speeds in units 1e4 apart."""
     system = ns.System(
@@ -127,6 +128,7 @@ def least_speed(om: float) -> float:
     return float(found.y_events[0][later][0][1])
 
 
+@pytest.mark.slow
 def test_a_cycle_that_stops_sticking_goes_on_without_events():
     """It touches zero speed there, and turns back as the unstable cycle down to its end."""
     branch = ns.continue_orbit(

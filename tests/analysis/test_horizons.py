@@ -72,7 +72,7 @@ def test_the_system_has_the_rate_of_the_map() -> None:
     assert abs(mean - 20.0) < 3 * 20.0 / np.sqrt(STARTS.size)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("calm", ["3 + (x - 3)/2", "3 + sin(x)/4"])
 def test_no_regime_outlives_the_chaos(calm: str) -> None:
     """A label of chaos tells no more periods than the motion stays, and its bound holds."""
@@ -231,7 +231,7 @@ def test_longest_is_no_shorter_than_the_transient() -> None:
         ns.bifurcation_diagram(tent(STAYS), "p", [0.0], transient=50, longest=10)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("short", [20, 200])
 def test_machines_that_settle_after_long_chaos(short: int) -> None:
     """Strobes of the cracked beam repeat after two periods, those of the rotor after four.

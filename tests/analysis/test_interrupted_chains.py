@@ -55,6 +55,7 @@ def interrupted(monkeypatch):
     monkeypatch.setattr(crew, "take", takes)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("work", [diagram, section_diagram, contacts])
 def test_a_chain_keeps_its_columns_and_goes_on(work, interrupted, tmp_path):
     part = work(store=tmp_path / "s")

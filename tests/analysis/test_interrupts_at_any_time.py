@@ -53,6 +53,7 @@ def interrupts(monkeypatch):
     return begin
 
 
+@pytest.mark.few(2)
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("verb", VERBS)
 def test_what_was_computed_is_kept_whenever_ctrl_c_comes(verb, interrupts):

@@ -46,6 +46,7 @@ def distance(omega: float) -> float:
     return float(abs(y - x))
 
 
+@pytest.mark.slow
 def test_an_orbit_without_impacts_goes_on_behind_the_graze():
     branch = ns.continue_orbit(two_masses(), "omega", (0.6, 1.3))
     assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("bound", "bound")

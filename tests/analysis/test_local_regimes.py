@@ -217,6 +217,7 @@ def test_points_of_a_map():
     assert found["period"].dims == ("point",) and np.all(found["period"] == 5)
 
 
+@pytest.mark.slow
 def test_many_strobes_are_taken_together():
     """For 171,700 strobes 2300 calls of Python and numpy; what they take is in the benchmarks."""
     points = np.random.default_rng(0).normal(size=(171_700, 2))

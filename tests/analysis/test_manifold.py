@@ -150,6 +150,7 @@ def hill(rate=1.0):
     )
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("which", "slope"), [("unstable", 1.0), ("stable", -1.0)])
 def test_lines_of_a_linear_saddle(which, slope):
     """The multiplier of the unstable direction is exp(2 pi), about 535."""

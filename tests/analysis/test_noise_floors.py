@@ -32,7 +32,7 @@ def noisy_cycles(count, p, kept, noise, rng, length=101):
     return cycle[:, np.arange(length) % p] + error[:, -length:]
 
 
-@pytest.mark.few(18)
+@pytest.mark.few(8)
 @pytest.mark.parametrize("p", [2, 3, 7, 24])
 @pytest.mark.parametrize("kept", [0.0, 0.7, -0.7])
 @pytest.mark.parametrize("noise", [1e-14, 3e-12, 1e-10])

@@ -163,6 +163,7 @@ def test_orbits_of_the_mole(b, counts):
         assert deepest < 1e-9 and joint < 1e-8
 
 
+@pytest.mark.slow
 def test_orbits_with_one_impact_at_a_rigid_wall():
     words = {"omega": 2.8, "zeta": 0.02, "sigma": 0.1, "r": 0.8}
     found = ns.orbits(rigid_wall(**words), longest=2)

@@ -348,7 +348,7 @@ def test_equilibria():
     assert label(ns.regime(system, {"x": 1.0})) == "periodic"
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("period", [1.0, "sqrt(2)"])
 def test_limit_cycles(period):
     system = System(
@@ -369,7 +369,7 @@ def flow(**equations: str) -> System:
     return System(states=list(equations), equations=equations)
 
 
-@pytest.mark.few(17)
+@pytest.mark.few(7)
 @pytest.mark.parametrize("period", [1.0, "sqrt(2)"])
 @pytest.mark.parametrize(
     ("equations", "initial", "expected"),

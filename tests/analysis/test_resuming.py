@@ -63,7 +63,7 @@ Store.put = put
 """
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @VERBS
 def test_after_a_kill_the_rest_is_done(verb, tmp_path):
     transient = 10
@@ -91,7 +91,7 @@ def test_after_a_kill_the_rest_is_done(verb, tmp_path):
 LIMIT = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (BYTES, BYTES))"
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no limits of file size")
 @pytest.mark.parametrize(
     ("verb", "size", "file"),

@@ -41,6 +41,7 @@ def test_orders_follow_the_unbalance_response():
     assert far[1] < 0.6 * far[0]
 
 
+@pytest.mark.slow
 def test_of_a_constant_speed_it_is_the_full_spectrum():
     run = ns.simulate(ns.models.rotor(), periods=30, samples_per_period=20)
     found = ns.order_tracking(run, ("x", "y"), periods=15, window="boxcar")

@@ -182,6 +182,7 @@ def test_friction_from_no_stop_to_stops_and_to_stick_for_ever():
     assert not held["stable"].any()
 
 
+@pytest.mark.slow
 def test_three_changes_that_follow_a_graze_at_once_come_in_their_order():
     """A rubbing tip that stops touches the surface of no slip, and the part that slides is short.
 
@@ -223,7 +224,7 @@ def test_three_changes_that_follow_a_graze_at_once_come_in_their_order():
         assert np.abs(run["end_state"].values - start).max() < 1e-8
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("phase", [0.0, 0.3])
 @pytest.mark.parametrize("low", [2.5, 3.0])
 def test_a_follower_lifts_off_its_cam(phase, low):

@@ -219,7 +219,7 @@ def test_the_window_of_a_system_without_a_period_sets_no_bound_for_quick_events(
     assert run["v"].values.tolist() == [1.0, -1.0, 1.0, -1.0]
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("phase", [0.0, 0.5])
 def test_what_repeats_at_a_phase_that_nothing_holds_is_no_torus(phase):
     # two starts a little apart in c stay so: a family of cycles, each of period two

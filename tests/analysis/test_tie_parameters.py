@@ -12,6 +12,7 @@ def tied():
     return ns.tie_parameters(ns.models.rotor(), TIES, delta=0.1)
 
 
+@pytest.mark.slow
 def test_the_same_motion():
     run = ns.simulate(tied().with_parameters(delta=0.06), periods=60)
     wanted = ns.simulate(ns.models.rotor(delta_x=0.06, delta_y=0.03), periods=60)
@@ -19,6 +20,7 @@ def test_the_same_motion():
         np.testing.assert_array_equal(run[name], wanted[name])
 
 
+@pytest.mark.slow
 def test_the_same_diagram():
     values = np.array([0.0, 0.04, 0.1])
     found = ns.bifurcation_diagram(tied(), "delta", values, transient=50, record=20)

@@ -151,7 +151,7 @@ def cycle_beside(cycle: dict[str, str], omega: float) -> System:
     )
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("mu", "omega"), [(3.0, 1.3), (5.0, 1.3), (4.0, 1.1)])
 def test_neighbours_that_come_and_go_by_large_factors(mu, omega):
     """Stiff cycles of van der Pol: the strobe's part of their period, by scipy, is the turn."""

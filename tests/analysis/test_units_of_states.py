@@ -137,7 +137,7 @@ def dimensionless():
 SWEEPS = {sensor: ("w", (0.6, 1.2)), oscillator: ("a", (0.3, 4.0))}
 
 
-@pytest.mark.few(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("machine", SWEEPS)
 @pytest.mark.parametrize("units", UNITS)
 def test_normal_forms_change_as_vectors_do(machine, units, dimensionless):

@@ -24,6 +24,7 @@ def test_help(call, command):
     assert "Usage" in result.stdout
 
 
+@pytest.mark.slow
 def test_exit_codes_and_plain_text_in_a_pipe():
     """No traceback and no colour codes; results and messages in different streams."""
     good = shell("models", "moling")

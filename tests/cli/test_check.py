@@ -71,6 +71,7 @@ def test_what_reading_refuses_is_told(call, file):
     assert "about 5 samples are missing" in result.stderr
 
 
+@pytest.mark.slow
 def test_a_section_of_a_record_with_flaws(call, file, tmp_path):
     """Files are written, the flaws are in them, and the code says that there are some."""
     saved = tmp_path / "s.nc"

@@ -69,6 +69,7 @@ COMMANDS = (
 )
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("command", COMMANDS, ids=[command[0] for command in COMMANDS])
 def test_estimates_are_told_by_every_command(call, command, tmp_path):
     for power, told in ((3, "yes"), (25, "estimated")):

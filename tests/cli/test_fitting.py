@@ -51,6 +51,7 @@ def test_a_record_in_netcdf(call, ramp, tmp_path):
     assert "k           0.7" in result.stdout
 
 
+@pytest.mark.slow
 def test_a_record_that_begins_later_in_the_forcing(call, tmp_path):
     """x' = -k x + cos 2 (t + s) in closed form, begun 0.3 of a period late."""
     (tmp_path / "forced.toml").write_text(
@@ -150,6 +151,7 @@ def test_masks_of_a_netcdf_file_are_kept(call, ramp, tmp_path):
     assert row["estimate"] == pytest.approx(0.7, abs=0.01)
 
 
+@pytest.mark.slow
 def test_columns_of_two_words(call, ramp, tmp_path):
     text = (tmp_path / "a.csv").read_text().replace("t,ch1", "elapsed time [s],upper mass [mm]", 1)
     (tmp_path / "a.csv").write_text(text)
@@ -199,7 +201,7 @@ def ball(tmp_path):
 OF_A_BALL = ("--free", "r=0.5:0.95", "--initial", "x=1.2", "--hold-back", "0", "--json")
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("header", "factor"), [("instant", 1.0), ("instant [ms]", 1e3)])
 def test_instants_beside_a_record(call, ball, tmp_path, header, factor):
     """The instant of a bounce says what its height does, in the unit of its header."""

@@ -81,6 +81,7 @@ def test_accelerations_are_integrated(call, files, tmp_path):
         assert result.exit_code == 2 and words in result.stderr
 
 
+@pytest.mark.slow
 def test_a_record_without_marks(call, files, tmp_path):
     """Integrated, or as it is; what is taken once per revolution asks for marks."""
     file, picture = tmp_path / "s.nc", tmp_path / "s.png"

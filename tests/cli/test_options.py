@@ -231,6 +231,7 @@ def plan_small_map(store):
     return store
 
 
+@pytest.mark.few(46)
 @pytest.mark.parametrize(("name", "option", "least"), LEAST)
 def test_less_than_the_least_value_is_refused(call, tmp_path, name, option, least):
     result = call(name, *files(name, tmp_path), *SMALL.get(name, []), f"{option}={least - 1:g}")
@@ -238,6 +239,7 @@ def test_less_than_the_least_value_is_refused(call, tmp_path, name, option, leas
     assert "Traceback" not in result.output and result.stderr.strip()
 
 
+@pytest.mark.slow
 def test_an_option_of_one_value_is_given_once(call):
     """The last one would win in silence, so every command refuses each of its options twice."""
     seen = 0

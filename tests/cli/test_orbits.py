@@ -187,6 +187,7 @@ def test_a_branch(call, asked, tmp_path):
     assert asked["branch"]["inadmissible"] is True
 
 
+@pytest.mark.slow
 def test_a_branch_of_the_soft_impact_oscillator(call, tmp_path):
     """The free motion x = A sin(w t + phi) touches the stop at an amplitude a known in closed form,
     and goes on with a contact."""
@@ -206,6 +207,7 @@ def test_a_branch_of_the_soft_impact_oscillator(call, tmp_path):
         assert float(saved["a"][0]) == 0.4
 
 
+@pytest.mark.slow
 def test_what_begins_at_the_special_points_of_a_branch(call):
     """The flip just behind the graze of the soft impact oscillator, and the grazing itself."""
     words = ("continue", "soft_impact", "a=0.4", "--over", "a=0.4:0.6", "--criticality")

@@ -57,6 +57,7 @@ def test_map_file_and_picture(call, tmp_path):
     assert "5 of omega times 5 of a" in result.stdout
 
 
+@pytest.mark.slow
 def test_a_followed_map_with_every_number(call, tmp_path):
     file = tmp_path / "m.nc"
     line = "regimes soft_impact zeta=0.03 --over omega=0.8:0.9:3 --over a=0.5:0.9:2"

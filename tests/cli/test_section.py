@@ -33,7 +33,7 @@ def test_events_of_a_model(call, accumulating):
     assert "event_limit" in result.stdout
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("more", [[], ["--json"], ["--t-end", "50"]])
 def test_a_section_that_is_never_crossed_is_no_success(call, tmp_path, more):
     """Orbits of this oscillator stay within a few units of its wells."""

@@ -29,6 +29,7 @@ def test_summary_of_a_run(call):
     assert found["progression of v"] == f"{steady} per period (last 5 periods)"
 
 
+@pytest.mark.slow
 def test_the_saved_run_is_the_run(call, tmp_path):
     """Text on the command line and numbers in a script make the same system."""
     file = tmp_path / "run.nc"
@@ -41,6 +42,7 @@ def test_the_saved_run_is_the_run(call, tmp_path):
     assert os.listdir(tmp_path) == ["run.nc"]
 
 
+@pytest.mark.slow
 def test_expressions_are_values(call, tmp_path):
     file = tmp_path / "run.nc"
     options = ["--initial", "p=-1/4,y=cos(pi)", "--t-end", "10", "--samples-per-period", "7"]
@@ -53,6 +55,7 @@ def test_expressions_are_values(call, tmp_path):
         xr.testing.assert_identical(saved.load(), run)
 
 
+@pytest.mark.slow
 def test_a_run_with_bounds(call, tmp_path):
     file = tmp_path / "run.nc"
     options = ["--periods", "30", "--max-events", "9", "--max-seconds", "3600", "--save", file]
@@ -133,7 +136,7 @@ EVERY_MODEL = [
 ]
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("model", EVERY_MODEL)
 def test_every_model_runs_and_is_drawn_by_default(call, tmp_path, model):
     system = getattr(ns.models, model)()

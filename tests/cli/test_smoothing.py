@@ -48,6 +48,7 @@ def test_report(call, friction, tmp_path):
     assert "status" not in result.stdout  # all of them completed
 
 
+@pytest.mark.slow
 def test_by_time_and_with_attractors(call, tmp_path):
     """Every exact motion of sign(x)**2 goes to 5, and half the smoothed ones rest near zero."""
     (tmp_path / "hidden.toml").write_text(

@@ -14,6 +14,7 @@ def load(file):
         return saved.load()
 
 
+@pytest.mark.slow
 def test_full_spectrum(call, tmp_path):
     lengths = ["--transient", "20", "--record", "24", "--samples-per-period", "32"]
     result = call(
@@ -45,6 +46,7 @@ def test_waterfall(call, tmp_path, variable):
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_contacts(call, tmp_path):
     lengths = ["--transient", "30", "--record", "12"]
     result = call(

@@ -87,7 +87,7 @@ def valued_options():
                 yield name, each.opts[0]
 
 
-@pytest.mark.few(44)
+@pytest.mark.few(13)
 @pytest.mark.parametrize(("name", "option"), list(valued_options()))
 def test_errors_are_one_line_in_words_of_the_shell(call, tmp_path, name, option):
     """A wrong value is refused by an error that could be read by who has never seen Python."""

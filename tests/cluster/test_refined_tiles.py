@@ -40,6 +40,7 @@ def test_one_tile_is_the_refined_map(tmp_path, whole):
     assert 0 < int((whole["computed"] == 0).sum()) < whole["computed"].size
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("tile", [4, 8, 12])
 def test_tiles_refine_their_own_cells(tile, tmp_path, whole):
     """What is computed has the same digits; what is filled, the label of the cell around it."""

@@ -25,7 +25,7 @@ def compare(run, expected, sizes):
         assert (error < TOLERANCE * sizes).all(), (name, (error / sizes).max())
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_states(name):
     problem = PROBLEMS[name]
@@ -40,7 +40,7 @@ def test_states(name):
     compare(run, expected, sizes)
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("text", FUNCTIONS)
 def test_functions(text):
     """The integral of the function along a pendulum that swings up to 70 degrees."""
@@ -58,7 +58,7 @@ def test_functions(text):
     compare(run, expected, growth(system, problem.start, times))
 
 
-@pytest.mark.few(9)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("text", FUNCTIONS)
 def test_tangents_of_functions(text):
     """Against heyoka's variational equations."""

@@ -70,7 +70,7 @@ def places_to_cut(run):
     return np.unique(np.concatenate([inside, ends[1:-1], around]))
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("case", FLOWS)
 def test_a_cut_anywhere_changes_no_bit(case):
     """In stick, in a slide, within rebounds, between the last one followed and rest: it goes on."""
@@ -126,7 +126,7 @@ def assert_same_motion(plain, other, factor=1.0, pace=1.0):
         assert np.allclose(other[name] * factor, plain[name], rtol=0, atol=20 * ROUNDING), name
 
 
-@pytest.mark.few(40)
+@pytest.mark.few(17)
 @pytest.mark.parametrize("scale", [1e-6, 1e-3, 1e3, 1e6])
 @pytest.mark.parametrize("case", FLOWS)
 def test_factors_of_guards_and_surfaces_do_not_matter(case, scale):
@@ -138,7 +138,7 @@ def test_factors_of_guards_and_surfaces_do_not_matter(case, scale):
 UNITS = [(1e-6, 1.0), (1e6, 1.0), (1.0, 1e-6), (1.0, 1e6), (1e-3, 1e3)]
 
 
-@pytest.mark.few(39)
+@pytest.mark.few(17)
 @pytest.mark.parametrize(("factor", "pace"), UNITS)
 @pytest.mark.parametrize("case", [case for case in FLOWS if case != "platform, Taylor"])
 def test_units_of_states_and_time_do_not_matter(case, factor, pace):

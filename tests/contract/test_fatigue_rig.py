@@ -53,6 +53,7 @@ def test_first_period_from_rest_has_all_four_phases():
     assert {e.mode_to for e in true.events} == {"both", "mass_1", "mass_2", "none"}
 
 
+@pytest.mark.slow
 def test_other_loads_and_frequency():
     compare(rig(**FIGURE_25), 1)
 

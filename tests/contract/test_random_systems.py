@@ -25,7 +25,7 @@ def seeds():
     return [*FEW, *(pytest.param(k, marks=pytest.mark.slow) for k in MANY)]
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", seeds())
 def test_states_events_and_tangents(seed):
     drawn = draw_system(seed)

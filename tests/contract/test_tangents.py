@@ -118,7 +118,7 @@ def test_choice_of_parameters(case, runs):
     assert np.allclose(none["tangent"], run["tangent"], rtol=0, atol=1e-12 * growth(truth)[-1])
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("case", CASES)
 def test_a_run_with_tangents_is_saved_whole(case, runs, tmp_path):
     import xarray as xr

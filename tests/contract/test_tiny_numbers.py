@@ -12,7 +12,7 @@ SQUARE = {"x": (-2.0, 2.0), "v": (-2.0, 2.0)}
 TINY = 1e-320
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("record", [1, 2, 3])
 def test_a_record_of_a_few_points_tells_no_attractor(record):
     axes = {name: np.linspace(*ends, 3) for name, ends in SQUARE.items()}

@@ -48,6 +48,7 @@ def test_the_twin_takes_the_other_flow(name):
     assert "Taylor" in taylor
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("name", MODELS)
 def test_states(name):
     exact, taylor, sizes = pair(name)

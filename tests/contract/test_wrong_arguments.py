@@ -492,7 +492,7 @@ def elsewhere(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", VERBS)
 def test_a_wrong_argument_is_refused_at_once_and_by_its_name(name):
     right, long = cases()[name]
@@ -515,11 +515,13 @@ def test_a_wrong_argument_of_excitation_is_refused(name):
     check(name, getattr(ns.excitation, name), excitation()[name], {})
 
 
+@pytest.mark.few(9)
 @pytest.mark.parametrize("name", structures())
 def test_a_wrong_argument_of_structures_is_refused(name):
     check(name, getattr(ns.structures, name), structures()[name], {})
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", ["plan_map", "forecast", "work", "progress", "open_map"])
 def test_a_wrong_argument_of_a_map_in_tiles_is_refused(name, tmp_path):
     verb, (right, long) = getattr(ns.cluster, name), shared_map(tmp_path)[name]

@@ -141,6 +141,7 @@ def elsewhere(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
+@pytest.mark.slow
 def test_every_function_and_method_of_models_is_tried():
     assert set(METHODS) == set(cases()) - set(ns.models.__all__)
     taking = {
@@ -155,7 +156,7 @@ def test_every_function_and_method_of_models_is_tried():
     assert taking - {"MatrixRotor.from_file"} == set(METHODS)
 
 
-@pytest.mark.few(12)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", [*ns.models.__all__, *METHODS])
 def test_a_wrong_argument_of_a_model_is_refused_by_its_name(name):
     make, right = cases()[name]

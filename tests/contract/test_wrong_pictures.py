@@ -178,7 +178,7 @@ def aside(tmp_path, monkeypatch):
     plt.close("all")
 
 
-@pytest.mark.few(11)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", MAKE)
 def test_a_wrong_argument_of_a_picture_is_refused_by_its_name(name):
     draw, right = getattr(ns.plot, name), MAKE[name]()

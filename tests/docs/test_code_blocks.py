@@ -23,16 +23,17 @@ ROOT = Path(__file__).parents[2]
 EVERY_PAGE = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # The chapter takes minutes; the others up to one, and what they call is tested by itself.
 LONG = {
-    "alarm.md", "animations.md", "basin-measures.md", "bifurcation-pictures.md", "chapter.md",
-    "crises.md", "edge-states.md", "ensembles.md", "fatigue-lives.md", "fit.md", "grazing.md",
-    "growing-crack.md", "larger-than-one-machine.md", "machines-with-contacts.md", "manifolds.md",
-    "many-orbits.md", "measured.md", "mole-orbits.md", "regimes.md", "rotating-machines.md",
-    "rotor.md", "smoothing.md", "structures.md", "two-parameters.md",
-    "case-studies/cracked-beam.md", "case-studies/fatigue-rig.md", "case-studies/mole.md",
-    "case-studies/published-chapter.md", "case-studies/published-friction-and-gears.md",
-    "case-studies/published-impacts.md", "how-to/basins.md", "machines/cantilever.md",
-    "machines/drill-string.md", "machines/gear-pair.md", "machines/tube.md",
-    "machines/two-disc-rotor.md",
+    "alarm.md", "animations.md", "basin-measures.md", "basins.md", "bifurcation-pictures.md",
+    "branches.md", "chapter.md", "crises.md", "edge-states.md", "ensembles.md", "fatigue-lives.md",
+    "fit.md", "friction-damper.md", "grazing.md", "growing-crack.md", "integrity.md",
+    "larger-than-one-machine.md", "machines-with-contacts.md", "manifolds.md", "many-orbits.md",
+    "measured.md", "models.md", "mole-orbits.md", "orbit-and-branch.md", "regimes.md",
+    "return-maps.md", "rotating-machines.md", "rotor.md", "smoothing.md", "structures.md",
+    "two-parameters.md", "case-studies/cracked-beam.md", "case-studies/fatigue-rig.md",
+    "case-studies/mole.md", "case-studies/published-chapter.md",
+    "case-studies/published-friction-and-gears.md", "case-studies/published-impacts.md",
+    "how-to/orbits.md", "machines/cantilever.md", "machines/drill-string.md",
+    "machines/gear-pair.md", "machines/tube.md", "machines/two-disc-rotor.md",
 }  # fmt: skip
 DRAWN = {"tutorials", "case-studies", "machines", "explanation", "figures.md", "structures.md",
          "machines-with-contacts.md"}  # fmt: skip

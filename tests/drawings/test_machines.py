@@ -25,7 +25,7 @@ def shapes_of(frames, kind, role):
     return [s for s in frames.shapes if s.kind == kind and s.role == role]
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", sorted(machines()))
 def test_every_machine_is_drawn_within_its_view(name):
     """All frames are finite, one frame or one for each sample, and what moves is to be seen."""

@@ -54,7 +54,7 @@ def run_both(system):
     return (strobes, modes, lanes), (records, statuses, again)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", [*LINEAR, "signal"])
 def test_lanes_have_the_digits_of_ordinary_runs(name):
     system = signal_system() if name == "signal" else getattr(ns.models, name)()

@@ -80,6 +80,7 @@ def test_small_cases_with_hidden_structure(name):
     assert verdict.strict <= 1.0, verdict
 
 
+@pytest.mark.slow
 @settings(max_examples=60, phases=[Phase.explicit, Phase.generate])
 @given(st.sampled_from(list(CLASSES)), st.integers(0, 10**9))
 @example("nilpotent", 1)

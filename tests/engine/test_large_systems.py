@@ -50,6 +50,7 @@ def motion_of(stiffness, start):
     return places
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("count", [20, 60, 120, pytest.param(250, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("structure", [stiffness_of_chain, two_planes])
 def test_free_motion(structure, count):

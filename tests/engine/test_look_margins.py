@@ -145,7 +145,7 @@ def test_margins_of_many_spectra():
     assert sum(judge(seed) for seed in MANY) > len(MANY) / 3
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("eps", COUPLINGS)
 @pytest.mark.parametrize("rate", [0.0, -0.3, -30.0])
 def test_margins_of_nearly_defective_chains(rate, eps):
@@ -160,6 +160,7 @@ def test_margins_of_nearly_equal_oscillators(eps):
     holds_everywhere(case_of(two_oscillators(eps), rng), rng, 20.0)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("rate", [1e2, 1e4, 1e5])
 def test_margins_of_a_stiff_mode(rate):
     """A slow oscillator and what relaxes towards it: on the way, and where it has faded."""

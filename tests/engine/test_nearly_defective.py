@@ -36,7 +36,7 @@ def case_of(matrix, time):
     return Case(matrix, time, np.ones(n), np.zeros(0), none, none)
 
 
-@pytest.mark.few(14)
+@pytest.mark.few(6)
 @pytest.mark.parametrize("eps", SMALL)
 @pytest.mark.parametrize("n", [2, 3, 4, 5])
 def test_chain_of_decays(n, eps):

@@ -3,6 +3,7 @@
 from functools import cache
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -114,6 +115,7 @@ WALL = ns.System(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(SEEDS, st.floats(0.01, 11.99))
 def test_impacts_under_a_periodic_force(seed, cut):

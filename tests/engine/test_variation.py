@@ -86,7 +86,7 @@ def test_forcing_slow_beside_relaxation_and_a_free_mass(s):
     assert worst(oscillator(k=0.0, zeta=0.1, omega=1e-4), s) < ALLOWED
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("s", [1e-4, 0.5, 30.0])
 def test_models(s):
     # flight, contact and progression of the mole: rigid, slaved and relaxing motions
@@ -102,6 +102,7 @@ def test_powers_of_time():
     assert worst(system, 2.0, time=30.0) < ALLOWED
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     ("value", "size"),
     [

@@ -24,6 +24,7 @@ def test_powers_of_a_sine(measure, order):
     assert sine.power(measure) == pytest.approx(exact, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_parseval(wave):
     """The sum over frequencies is the mean square over time."""
     for record in (harmonic(20.0, 2.0), band_noise(5.0, 60.0, 2.0), wave):
@@ -79,6 +80,7 @@ def test_the_duffing_wave_is_that_of_scipy(wave):
     np.testing.assert_allclose(wave.acceleration[:193], base, atol=1e-7 * 3.0)
 
 
+@pytest.mark.slow
 def test_a_period_of_the_force_spans_the_samples(wave):
     assert wave.step * 32 * wave.details["time_scale"] == pytest.approx(2 * np.pi, rel=1e-9)
     slower = duffing(5.0, 1.0, duration=4.0, samples_per_period=16)

@@ -35,7 +35,7 @@ def test_without_a_crack_it_answers_like_a_linear_oscillator():
     assert np.abs(load.values - exact).max() < 2e-6 * np.abs(exact).max()
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("mean", [0.0, 150.0, -60.0])
 def test_breathing_against_scipy(mean):
     rig = ShakenSpecimen(ligament, CLOSED, mean_load=mean)
@@ -58,6 +58,7 @@ def test_breathing_against_scipy(mean):
     assert np.abs(load.values[:400] - exact).max() < 1e-5 * np.abs(exact).max()
 
 
+@pytest.mark.slow
 def test_the_cascade_moves_as_the_record_does():
     """Chaos and the curve through the samples part them later on."""
     rig = ShakenSpecimen(ligament, CLOSED, damping=0.1)
@@ -71,7 +72,7 @@ def test_the_cascade_moves_as_the_record_does():
     assert np.abs(cascade["load"].values - record["load"].values).max() < 1e-4 * size
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("variable", ["v", "acceleration"])
 def test_the_cascade_takes_other_variables(variable):
     rig = ShakenSpecimen(ligament, CLOSED)

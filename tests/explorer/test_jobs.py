@@ -47,6 +47,7 @@ class Ear:
         return found
 
 
+@pytest.mark.slow
 def test_pieces_are_those_of_the_task(crew):
     ear, view = Ear(), replace(MOLE, columns=16, transient=20, record=10)
     *pieces, last = ear.rest(crew.submit(Job("diagram", view, ear)))
@@ -56,6 +57,7 @@ def test_pieces_are_those_of_the_task(crew):
         assert np.array_equal(piece["value"], other["value"])
 
 
+@pytest.mark.slow
 def test_a_task_that_fails_says_why_and_the_next_one_runs(crew):
     ear = Ear()
     refused = replace(MOLE, values=(("xi", "-1"),))
@@ -100,6 +102,7 @@ def test_a_limit_stops_a_job_and_is_told(crew):
     assert ear.rest(crew.submit(Job("drawing", MOLE, ear)))[-1][0] == "done"
 
 
+@pytest.mark.slow
 def test_a_worker_that_ends_is_replaced(crew):
     ear = Ear()
     job = crew.submit(Job("plane", LONG, ear, options=ALL))

@@ -51,6 +51,7 @@ def test_any_view_comes_back_from_its_link_with_all_digits(values, initial, **fi
     assert from_link(to_link(view)) == view
 
 
+@pytest.mark.slow
 def test_a_system_is_known_by_its_texts_and_else_goes_along_as_text():
     view = view_of(ns.models.moling(b=0.12, phi="pi/3"))
     assert (view.model, dict(view.values)) == ("moling", {"b": "0.12", "phi": "pi/3"})

@@ -51,7 +51,7 @@ def ran(tmp_path, monkeypatch):
     plt.close("all")
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.filterwarnings("ignore:settled|the motion|of .* motions")
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "orbit")) for n in VIEWS]

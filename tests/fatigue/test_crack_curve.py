@@ -49,6 +49,7 @@ def test_fit_without_noise():
     assert curve.standard_errors["residual"] < 1e-9
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("constants", [(6.4, 1.0, 1200.0, 90.0), (5.0, 1.0, 300.0, 900.0)])
 def test_standard_errors_over_many_records(constants):
     """Spread of the fits over 200 records against their own errors: chi-square, four sigma.

@@ -91,7 +91,7 @@ def test_what_a_fit_takes_out_of_residuals_is_that_of_the_matrices():
     np.testing.assert_allclose(found.lost_to(tangents, 7), known, rtol=1e-9)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("colour", [0.0, 0.8])
 def test_variances_from_few_coloured_residuals_are_right_on_average(colour):
     """300 samples that a cubic was taken out of, beside the covariance of its terms in closed form.
@@ -134,7 +134,7 @@ def test_degrees_of_freedom_are_those_of_a_memory_that_is_estimated():
     assert freedom[0] == pytest.approx(known, rel=0.01)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("segments", [1, 6])
 def test_a_line_in_coloured_noise_has_the_error_of_least_squares(segments):
     """Beside the covariance of ordinary least squares in closed form, which white noise misses."""

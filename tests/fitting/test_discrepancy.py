@@ -104,6 +104,7 @@ def holds(found):
     return (found["interval_low"].values <= TRUTH) & (found["interval_high"].values >= TRUTH)
 
 
+@pytest.mark.slow
 def test_a_time_base_that_jitters_is_named_and_measured():
     rng = np.random.default_rng(1)
     found = fitted(late(rng, 0.01), rng)
@@ -124,6 +125,7 @@ def test_a_filter_of_the_sensor_is_named():
     assert np.isnan(found["time_error"].values).all()
 
 
+@pytest.mark.slow
 def test_an_error_that_repeats_with_the_motion_is_told_as_one_of_the_model():
     rng = np.random.default_rng(3)
     found = fitted(filtered(rng, 0.02), rng)

@@ -246,6 +246,7 @@ def test_two_springs_are_not_told_apart():
     assert abs(float(found["correlation"].sel(parameter="k1", parameter_0="k2"))) > 0.999
 
 
+@pytest.mark.slow
 def test_a_spring_that_is_never_met_is_not_determined():
     record, events = soft_record(8, 0.02, 1, e=100.0)
     assert not len(events)
@@ -276,6 +277,7 @@ def test_what_is_not_determined_is_open_in_coloured_noise_too():
     assert [float(gap["interval_low"]), float(gap["interval_high"])] == pytest.approx([3.0, 9.0])
 
 
+@pytest.mark.slow
 def test_samples_that_are_nan_are_left_out():
     """As if the record had no such samples."""
     ramp, record = line()

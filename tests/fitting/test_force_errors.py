@@ -46,6 +46,7 @@ def soft(cubic):
     return soft_motion(TIMES, START, cubic=cubic)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("n_segments", [1, 4])
 @pytest.mark.parametrize(
     ("motion", "system", "free"),

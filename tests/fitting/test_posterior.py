@@ -74,7 +74,7 @@ def test_what_was_known_before_counts_as_a_measurement():
     assert drawn.attrs["prior"] == "{'k': 'norm(0.5, 0.05)'}"
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("segments", [1, 4])
 def test_the_start_is_integrated_out(segments):
     """x = s exp(-k t): the integral over s of the likelihood is known for each k."""
@@ -225,7 +225,7 @@ BAD = [
 ]
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("options", "words"), BAD, ids=lambda each: str(each)[:30])
 def test_bad_input_is_named_with_what_is_allowed(options, words):
     _, found = fit_of_line()

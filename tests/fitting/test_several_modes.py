@@ -100,6 +100,7 @@ def check_truth(found, truth):
     assert found.attrs["status"] == "completed"
 
 
+@pytest.mark.slow
 def test_segments_of_a_latch_give_what_one_segment_gives():
     """Most of the segments begin where the mass fits both modes."""
     times = np.arange(12 * 60) * PERIOD / 60
@@ -131,6 +132,7 @@ def test_a_thermostat_may_begin_on_or_off(begin, segments):
     assert np.nanstd(ahead) < 1.5 * ROOM_NOISE
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("begin", ["off", "on"])
 def test_modes_of_a_thermostat_are_found_far_from_its_parameters(begin):
     """At first each segment begins in the mode that its own data want."""
@@ -159,6 +161,7 @@ def settled_latch():
     )  # fmt: skip
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("segments", [None, 1])
 def test_a_cycle_of_a_latch_begins_in_the_mode_of_its_end(segments):
     motion = settled_latch()

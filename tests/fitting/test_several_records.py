@@ -31,6 +31,7 @@ def centred(record):
     return times - times.mean(), values - values.mean()
 
 
+@pytest.mark.slow
 def test_a_shared_slope_is_the_pooled_regression():
     """One slope, an offset for each record: sums over both, in closed form."""
     records = lines()

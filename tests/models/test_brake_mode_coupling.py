@@ -153,6 +153,7 @@ def by_hand(mu, v_b, N0, k_x, k_y, k_xy, k_n, zeta_x, zeta_y) -> dict[str, Leg]:
 SQUEAL = {**PLAIN, "mu": 1.0, "zeta_x": 0.05, "zeta_y": 0.05}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("v_b", "N0", "vx", "cells"), [
     (0.3, 4.0, 0.0, {"slip", "stick"}), (0.9, 1.0, 0.0, {"slip", "apart"}),
     (0.3, 1.0, 0.0, {"slip", "stick", "apart"}),

@@ -34,7 +34,7 @@ CASES = {
 }
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 @mp.workdps(50)
 def test_five_periods_from_a_start(name):

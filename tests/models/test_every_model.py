@@ -61,6 +61,7 @@ def test_defaults_in_the_table_are_the_defaults(name):
     assert numbers <= set(table)  # choices between words, and what may be left out, have no row
 
 
+@pytest.mark.few(10)
 def test_states_outputs_and_parameters_have_labels(name):
     system = ready_made()[name]()
     assert set(system.states) | set(system.outputs) <= set(system.describe)

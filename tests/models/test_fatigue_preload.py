@@ -86,7 +86,7 @@ def test_start_up_asks_for_more_than_steady_motion():
     assert (start["margin"] <= steady["margin"]).all()
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", ["steady", "start-up"])
 def test_bisection_finds_the_closed_form(motion):
     """A crack that hardly changes the stiffness goes by simulation, and has the linear forces."""

@@ -170,6 +170,7 @@ def test_breathing_crack_refuses_lost_contact_and_says_when():
     assert rig.breathing_crack(10.0, contact="assumed").name == "breathing_crack"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("f1", "f2", "safe", "lost", "growth"),
     [

@@ -281,6 +281,7 @@ def test_a_mass_that_does_not_press_at_rest(forces):
         assert float(run[f"contact{i}"][0]) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_record_of_the_base_in_place_of_a_sine():
     """A sampled sine is the harmonic base, up to the interpolation between its samples."""
     rate, samples = 2 * np.pi * RIG.frequency, 400

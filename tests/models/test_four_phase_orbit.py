@@ -59,6 +59,7 @@ def test_both_orbits_below_the_fold():
         assert np.allclose(run["p"][-1], run["p"][0], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_closed_constructions_that_are_no_motions_are_labelled():
     """The force passes the limit inside phase IV: the motion progresses there instead."""
     system = moling(b=0.17)
@@ -79,6 +80,7 @@ def test_no_orbit():
     assert not found["closes"].any() and np.all(found["F"] > 1e-3)
 
 
+@pytest.mark.slow
 def test_guess_from_a_neighbour():
     near = four_phase_orbit(moling(b=0.149), progression_start(ns.find_orbit(moling())))
     assert near.sizes["minimum"] == 1

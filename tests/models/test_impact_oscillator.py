@@ -144,7 +144,7 @@ def chatter(omega, zeta, r, sigma, forced=1.0):
 SLOW = [(0.3, 0.0, 0.8, 0.0), (0.3, 0.02, 0.8, 0.0), (0.2, 0.05, 0.5, 0.3), (0.3, 0.1, 0.6, -0.2)]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("omega", "zeta", "r", "sigma"), SLOW)
 def test_chatter_ends_at_the_wall_and_the_force_releases(omega, zeta, r, sigma):
     words = {"omega": omega, "zeta": zeta, "r": r, "sigma": sigma}

@@ -182,6 +182,7 @@ def test_a_beam_in_the_ring_against_scipy():
     assert np.abs(run["end_state"].values[: 2 * n] - state).max() < 1e-11 * growth
 
 
+@pytest.mark.slow
 def test_files_hold_the_same_rotor(tmp_path):
     mass, stiffness = beam(2)
     np.savez(tmp_path / "all.npz", mass=mass, stiffness=stiffness)

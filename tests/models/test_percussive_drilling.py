@@ -83,7 +83,7 @@ CASES = [
 ]
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("a", "b"), CASES)
 @pytest.mark.parametrize("omega", [1.0, 0.1])
 def test_switches_and_progression(a, b, omega):

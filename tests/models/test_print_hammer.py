@@ -124,6 +124,7 @@ def passed(leg, level, near):
     return mp.findroot(lambda t: leg(t)[0] - level, near)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("d", [0.25, 0.4])
 def test_a_print_by_matrix_exponentials(d):
     """Each leg of a linear mode is exp(A t) of its start."""

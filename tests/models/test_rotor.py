@@ -10,7 +10,7 @@ from nonsmooth.models import massive_ring_rotor, rotor, snubber_ring
 PRELOADS = [(0.1, 0.1), (0.0, 0.0), (0.3, 0.05), (0.0, 0.2)]
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("preload", PRELOADS)
 def test_ten_thousand_starts_stand_where_statics_put_them(preload):
     """The engine's Newton against closed forms and one monotone equation (`snubber_ring`)."""

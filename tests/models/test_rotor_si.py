@@ -132,6 +132,7 @@ def test_diagram_over_the_speed_in_hertz():
     assert np.allclose(si["x"], 0.5 * diagram["x"], rtol=1e-15)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("name", "value", "unit"),
     [("nu1", 105.0, "kg/s"), ("K", 2354e3, "N/m"), ("eta_m", 0.028, "kg"), ("rho", 35.0, "mm"),
@@ -177,6 +178,7 @@ def test_exponents_per_second():
     assert np.array_equal(si["exponent"], spectrum["exponent"])  # numbers of the exponents
 
 
+@pytest.mark.slow
 def test_run_up():
     """The speed may vary slowly; in SI units it is a variable in Hz."""
     text = RIG.system().to_toml() + '\n[slow]\neta = "0.5 + 0.001*t"\n'

@@ -409,7 +409,7 @@ def test_two_preloads_as_one_parameter():
     assert diagram.attrs["rig_gap"] == 0.5
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ties", "unit"),
     [({"delta_y": "p"}, "mm"), ({"delta_y": "0.1 + 2*p"}, "mm"), ({"K": "p*pi"}, "N/m")],
@@ -422,7 +422,7 @@ def test_units_that_follow(ties, unit):
     assert np.allclose(si["parameter"], factor * np.array([0.2, 0.3]), rtol=1e-14)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ties", [{"delta_y": "p*delta_x"}, {"delta_y": "p**2"}, {"delta_x": "p", "nu1": "p"}]
 )
@@ -466,6 +466,7 @@ def test_changed_parameters_in_their_units():
     assert "rig_ring_damping" not in diagram.attrs
 
 
+@pytest.mark.slow
 def test_run_up_in_hertz_over_seconds():
     """10 to 14 Hz within 4 s: constant within a revolution, that at its beginning."""
     si = RIG.to_si(run_up())

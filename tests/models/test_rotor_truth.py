@@ -113,6 +113,7 @@ def orbit(eta, flip, state):
 SOME = {FLIPS[0], next(flip for flip in FLIPS if flip.delta != FLIPS[0].delta)}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "flip",
     [

@@ -30,7 +30,7 @@ def positions(count, delta_x, delta_y, seed):
     return x, y, *rng.uniform(-3.0, 3.0, (2, count))
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("delta_x", "delta_y"), PRELOADS)
 def test_against_quartics_to_thirty_digits(delta_x, delta_y):
     """2000 random positions with velocities for each preload, 10,000 in all."""

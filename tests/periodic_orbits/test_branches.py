@@ -73,6 +73,7 @@ def test_the_grazing_again():
     assert abs(float(b) - GRAZING) < 1e-16
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("periods", [2, 4, 8])
 def test_mole_cascade(periods):
     name = {2: "two_periods", 4: "four_periods", 8: "eight_periods"}[periods]
@@ -134,6 +135,7 @@ def test_no_admissible_point_goes_through_the_wall():
         )
 
 
+@pytest.mark.slow
 def test_rigid_wall_ends_at_grazing_from_above():
     """With one impact per period the speed falls to zero at F_g; the branch goes on without."""
     words = {"omega": 0.8, "zeta": 0.05, "sigma": 0.5, "r": 0.7}

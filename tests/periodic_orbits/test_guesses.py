@@ -22,6 +22,7 @@ def test_legs_of_a_motion_are_those_of_its_log():
     assert guess.turn.instants[-1] == pytest.approx(2 * T, rel=1e-15)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("speed", [0.05, 1.0, 40.0])
 def test_a_smooth_cycle_of_any_speed(speed):
     found = list(

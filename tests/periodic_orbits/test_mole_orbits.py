@@ -165,6 +165,7 @@ def test_doubled_orbits_are_on_the_side_where_the_old_ones_are_unstable():
     assert abs(ratios[-1] - 4.6692) < 0.1
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["four_phases", "two_impacts", "no_last_contact", "three_periods"])
 def test_the_reference_again(name):
     """From eight digits of what is kept; and through the certified reference of the mole."""

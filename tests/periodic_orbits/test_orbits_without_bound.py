@@ -19,6 +19,7 @@ def circle(radius: str, turning: str, **parameters: float) -> ns.System:
     )
 
 
+@pytest.mark.slow
 def test_an_amplitude_without_bound():
     """The radius is 1/sqrt(mu), on which the flow turns once in 2 pi."""
     system = circle("1 - mu*(x**2 + y**2)", "1", mu=0.5)

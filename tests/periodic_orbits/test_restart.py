@@ -9,6 +9,7 @@ from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
 from periodic_orbits.kinds import KINDS, found_equations
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("kind", KINDS)
 def test_there_and_back(kind, tmp_path):
     system, options, _ = KINDS[kind]

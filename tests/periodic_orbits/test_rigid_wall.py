@@ -75,6 +75,7 @@ def test_undamped_trace():
     assert abs(orbit["multipliers"].values.sum() - trace) < 1e-10
 
 
+@pytest.mark.slow
 def test_below_the_fold_there_is_no_orbit():
     wall, words = family(2.8, 0.02, 0.1, 0.8, 2)
     fold = float(wall.force(wall.fold_speed))

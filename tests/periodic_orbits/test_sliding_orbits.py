@@ -49,7 +49,7 @@ def test_belt(how):
     assert bool(orbit["stable"])
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "how", [{"initial": {"x": -1.0, "v": 0.0}, "transient": 3}, {"word": "free stuck free"}]
 )
@@ -103,6 +103,7 @@ FROM_REST = pytest.mark.xfail(
 )
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("omega", [0.3118, pytest.param(0.314, marks=FROM_REST)])
 def test_a_branch_through_the_end_of_rebounds(omega):
     """Infinitely many pass the section at omega = 0.31262: behind it, it lies at rest."""

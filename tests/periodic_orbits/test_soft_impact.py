@@ -130,7 +130,7 @@ def test_the_trilinear_orbit_at_symmetry_breaking(name, off):
     assert bool(orbit["stable"]) == bool(abs(half.multipliers[0]) < 1)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("omega", [1.5, 0.9, 0.6])
 def test_the_trilinear_orbit_away_from_symmetry_breaking(omega):
     kept = ORBITS["trilinear_points"]["upper" if omega > 0.8 else "lower"]

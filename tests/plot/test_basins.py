@@ -134,6 +134,7 @@ def test_labels_alone_are_enough():
     assert key(ns.plot.basins(data))[0] == "1: 50.0 %"
 
 
+@pytest.mark.slow
 def test_seven_hues_and_more():
     numbers = np.arange(1, 22).reshape(3, 7)
     assert len(set(cell_colours(ns.plot.basins(basins(numbers))))) == 21
@@ -249,6 +250,7 @@ def test_what_is_no_result():
         ns.plot.attractors(example(), "z")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("side", [16, 40, 200, 1000])
 def test_distances_are_written_out_and_do_not_collide(side):
     halves = np.ones((side, side), int)

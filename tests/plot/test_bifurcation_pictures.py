@@ -77,6 +77,7 @@ def test_no_line_leads_over_the_jump_of_a_bouncing_ball():
     assert np.nanmax(steps) < 1.0
 
 
+@pytest.mark.slow
 def test_a_legend_names_the_attractors_with_most_of_the_starts():
     """x rests at each whole number, with the starts that are nearest: 11 of them, fewer at ends."""
     steps = ns.System(

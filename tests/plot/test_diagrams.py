@@ -53,6 +53,7 @@ def test_lanes_have_colours_and_a_legend():
     ]
 
 
+@pytest.mark.slow
 def test_many_points_stay_small(tmp_path):
     ax = ns.plot.bifurcation(diagram(1000, 1000), "x")
     ns.plot.save_figure(ax.figure, tmp_path / "a.pdf")

@@ -24,6 +24,7 @@ def test_the_suffix_says_the_format(mole, ax, tmp_path, suffix):
     assert stat.S_IMODE(path.stat().st_mode) == 0o666 & ~mask
 
 
+@pytest.mark.slow
 def test_the_same_picture_is_the_same_file(mole, tmp_path):
     files = []
     for name in ("a.pdf", "b.pdf"):

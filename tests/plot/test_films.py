@@ -62,6 +62,7 @@ def test_curves_have_more_samples_than_frames(struck):
     assert known.sum() >= 400
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("slow_down", "words", "count"),
     [(None, "1 s of the film is 0.25 periods", 301), (1.0, "is 1 period\n", 76), (0.5, "2 p", 38)],
@@ -101,6 +102,7 @@ def test_mode_and_events_are_named(struck):
     assert lengths and set(lengths) <= {4, 5}
 
 
+@pytest.mark.slow
 def test_what_is_drawn_once_looks_as_if_it_were_drawn_anew(struck):
     """A frame in a file is what matplotlib draws of the same frame, but for the order at edges."""
     T = struck.attrs["period"]
@@ -134,6 +136,7 @@ def test_a_gif_has_all_frames_and_keeps_the_pace(struck, tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["a.gif"]
 
 
+@pytest.mark.slow
 def test_an_mp4_has_all_frames(struck, tmp_path):
     ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="writes films; an extra, movie")
     T = struck.attrs["period"]
@@ -149,6 +152,7 @@ def test_an_mp4_has_all_frames(struck, tmp_path):
     assert np.abs(first - pixels(film, 0)).mean() < 8.0  # what compression loses
 
 
+@pytest.mark.slow
 def test_a_page_holds_its_pictures(struck, tmp_path):
     T = struck.attrs["period"]
     film = ns.plot.animate(struck, time_range=(10 * T, 11 * T), slow_down=0.4)
@@ -199,6 +203,7 @@ def test_the_number_above_a_bar_is_named_and_that_of_the_whole_motion():
     assert [text for text in shown if text.startswith("max")] == ["max\n0.5", "max\n0.5"]
 
 
+@pytest.mark.slow
 def test_a_run_that_was_saved_is_animated(struck, tmp_path):
     import xarray as xr
 

@@ -142,7 +142,7 @@ def test_the_legend_of_a_corner_names_all_that_is_drawn(found, names):
                                                      abs=0.01 * np.ptp(across))  # fmt: skip
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("deviation", [0.0003, 0.0008, 0.0012, 0.002])
 @pytest.mark.parametrize("inches", [2.2, 3.0, 4.0])
 def test_numbers_below_a_small_corner_do_not_touch(found, deviation, inches):
@@ -201,6 +201,7 @@ def test_axes_have_the_units_of_the_record(found):
     assert ax.get_ylabel() == "power density [dB re 1 V^2/Hz]"
 
 
+@pytest.mark.slow
 def test_marks_of_the_record_come_before_the_forcing(found):
     record = ns.measured.from_arrays(
         {"a": found["measured"].sel(channel="a").values}, times=TIMES, marks=[1.5, 4.0, 6.5, 9.0]

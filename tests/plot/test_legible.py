@@ -95,7 +95,7 @@ def test_a_figure_of_our_own_grows_for_all_entries():
     assert len(legend_texts(ax)) == 12
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("scale", [1.0, 0.0123, 1.23e-4, 1.23e-6, 12345.0, 1e9])
 @pytest.mark.parametrize("width", [4.5, 8.5, 17.0])
 def test_numbers_along_axes_do_not_touch_each_other_or_the_label(scale, width):
@@ -278,6 +278,7 @@ def test_a_legend_of_a_figure_names_each_thing_once():
     assert legend.get_window_extent().y0 >= top - 1.0
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["a rather long name of what stands on this axis", "n_" * 30])
 @pytest.mark.parametrize(("rows", "width"), [(1, 8.0), (2, 17.0)])
 def test_labels_of_axes_are_not_cut(name, rows, width):

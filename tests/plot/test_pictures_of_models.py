@@ -24,7 +24,7 @@ def run(request):
     return ns.simulate(system, **length)
 
 
-@pytest.mark.few(9)
+@pytest.mark.few(2)
 def test_portraits_with_surfaces(run):
     """Guards of some models would fill any memory if each were written out as a text."""
     states = ns.System.from_toml(run.attrs["system"]).states
@@ -35,7 +35,7 @@ def test_portraits_with_surfaces(run):
         plt.close("all")
 
 
-@pytest.mark.few(13)
+@pytest.mark.few(5)
 def test_histories_and_phases(run):
     system = ns.System.from_toml(run.attrs["system"])
     names = [*system.states, *system.outputs][:8]

@@ -18,6 +18,7 @@ def colour_at(ax, x, y):
     return to_hex(ax.get_facecolor())
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize(("delta_x", "delta_y"), PRELOADS)
 @pytest.mark.parametrize("view", ["plane", "quadrant"])
 def test_colours_are_those_of_the_regimes(delta_x, delta_y, view):

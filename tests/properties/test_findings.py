@@ -254,6 +254,7 @@ def test_a_mode_puts_the_mass_behind_a_wall():
     assert last_row(run, "event_path").startswith("into>wall>wall")
 
 
+@pytest.mark.slow
 def test_cells_that_never_meet_make_no_motion_where_surfaces_do():
     """Where v0 = -0.181 the mode has no cell with v0 > 0.369: such a corner belongs to no meeting.
 

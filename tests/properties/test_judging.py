@@ -77,7 +77,7 @@ WRONG = [
 ]
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("words", "place", "value", "says"), WRONG)
 def test_a_wrong_run_is_seen(words, place, value, says):
     assert any(says in text for text in judged(words, changed(words, place, value)))

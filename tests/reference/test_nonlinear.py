@@ -179,7 +179,7 @@ def test_stored_runs_are_those_of_the_route(name):
     assert [list(map(text, row)) for row in run.samples] == stored["samples"]
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [*QUICK, *(pytest.param(n, marks=pytest.mark.slow) for n in CASES if n not in QUICK)]
 )

@@ -123,7 +123,7 @@ def test_first_contact_from_rest_by_taylor_integration():
         )
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("parameters", "initial", "n_periods"),
     [

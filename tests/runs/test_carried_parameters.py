@@ -26,6 +26,7 @@ def points():
     }
 
 
+@pytest.mark.slow
 def test_points_of_other_parameters_are_refused():
     for name, point in points().items():
         with pytest.raises(

@@ -19,7 +19,7 @@ LAWS = {
 }
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 def test_runs_through(law):
     """Against scipy in small steps, whose error where it misses a kink is about 1e-9."""

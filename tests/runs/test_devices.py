@@ -65,7 +65,7 @@ def runs(**options):
     )  # fmt: skip
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("work", [regimes, basins, diagram, runs])
 @pytest.mark.parametrize("threads", [1, 2])
 def test_results_do_not_depend_on_where_motions_run(graphics, work, threads):

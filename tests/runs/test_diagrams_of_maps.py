@@ -11,6 +11,7 @@ def logistic(section="impact", **options):
     return ns.PoincareMap(logistic_ball(), section, **options)
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("start", ["restart", "follow up", "follow down"])
 @pytest.mark.parametrize(
     ("section", "options"),

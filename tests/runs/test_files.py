@@ -110,7 +110,7 @@ def equal(value, other):
     return np.array_equal(value, other) and isinstance(value, str) == isinstance(other, str)
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("keep", FORMATS)
 def test_files_keep_everything(run, keep, tmp_path):
     with keep(run, tmp_path) as opened:
@@ -261,7 +261,7 @@ print(json.dumps({
 """
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("keep", FORMATS)
 def test_files_need_only_xarray(keep, tmp_path):
     run = ns.simulate(wall(), {"v": 0.5}, periods=12)

@@ -121,7 +121,7 @@ def joined(*runs):
     return np.concatenate([np.ravel(part).astype(float) for part in parts])
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 def test_a_cut_anywhere_changes_no_bit(case):
     system, initial, t_end, plain = case
     cuts = cuts_of(plain, t_end, plain.attrs["window"])

@@ -45,7 +45,7 @@ OPTIONS = {
 }
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", OPTIONS)
 def test_the_same_digits_as_period_by_period(monkeypatch, name):
     ahead = ns.simulate(wall(), **OPTIONS[name])
@@ -120,7 +120,7 @@ def test_an_interrupted_run_keeps_what_it_has_and_goes_on(monkeypatch):
     assert np.allclose(rest["end_state"], whole["end_state"], atol=1e-9)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("slow", [True, False])
 def test_control_c_at_any_time_keeps_what_was_computed(slow, interrupts):
     """A signal at calls of functions that nothing in the run is tuned to."""

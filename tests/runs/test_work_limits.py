@@ -284,6 +284,7 @@ def test_the_start_of_a_run_that_cannot_begin(flow, start, status):
 # ---------------------------------------------------------------- memory
 
 
+@pytest.mark.slow
 def test_a_log_for_which_there_is_no_memory_is_refused_before_the_run_fills_it(monkeypatch):
     """About nine impacts in ten periods, so 9e7 in 1e8; a row takes at least 100 bytes."""
     run = ns.simulate(wall(), periods=1000, samples_per_period=1)

@@ -141,6 +141,7 @@ LONGEST = {0, 2, 7, 10}  # of the seeds
 SEEDS = [pytest.param(k, marks=[pytest.mark.slow] * (k in LONGEST)) for k in range(12)]
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_critical_speeds_of_undamped_shafts_by_a_direct_eigenproblem(seed):
     """At a critical speed w the speed drops out: (K - w^2 (M - i G)) q = 0.

@@ -82,6 +82,7 @@ def test_an_impact_on_a_sum_with_factors():
     assert_same(system, truth(walls=[Wall(along(x3=0.5, x1=-1.5, x0=0.25), 0.05, 0.8)]))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("damping", [None, 0.6])
 def test_a_spring_on_a_support_that_moves(damping):
     system = shaken([GapSpring("3x", 0.1, 30.0, damping, offset=MOVES)])
@@ -97,6 +98,7 @@ def test_springs_on_both_sides_of_a_support_that_moves():
     assert_same(system, truth(springs))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("coordinate", ["3x", {"3x": 2.0}])
 def test_an_impact_on_a_wall_that_moves(coordinate):
     system = shaken([Stop(coordinate, 0.1, 0.8, offset=MOVES)])

@@ -309,6 +309,7 @@ def test_functions_of_a_locus_that_fail():
 # ---------------------------------------------------------------- loads beside the estimate
 
 
+@pytest.mark.slow
 def test_loads_that_the_error_of_a_reduction_leaves_out():
     mass, stiffness = chain(40)
     rod = ns.Structure(mass, stiffness, damping=0.01 * stiffness)

@@ -80,6 +80,7 @@ def assert_same_events(system, bench, count, names):
         assert abs(float(middle[name][-1]) - solved.y[i, -1]) < NEAR
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("n", [4, 12, pytest.param(40, marks=pytest.mark.slow)])
 def test_two_springs(n):
     structure, names = chain_structure(n)

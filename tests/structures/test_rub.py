@@ -68,7 +68,7 @@ def deviations(small, speed, z):
     )
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("speed", [335.0, 360.0, 385.0])
 def test_full_annular_rub_is_that_of_the_receptances(small, rubbing, speed):
     z = annular(small, speed)[-1]
@@ -119,6 +119,7 @@ def overhung():
     return reduce(rotor, ["8x", "8y"], modes=8)
 
 
+@pytest.mark.slow
 def test_a_shaft_with_many_modes_rolls_in_its_ring():
     """Dry whip ends on a circle with the frequency -Omega R/r: a matter of the receptance there.
 

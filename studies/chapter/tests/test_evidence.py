@@ -71,7 +71,7 @@ def test_absolute_mole_needs_no_scaling():
     assert np.allclose(1e3 * drift, scaled, rtol=1e-10, atol=1e-9)
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("b", "period"), [(0.095, 4), (0.1, 2), (0.15, 1), (0.19, 0), (0.05, 0)])
 def test_regimes(b, period):
     """Primitive periods from rest; the aperiodic one has a positive exponent."""

@@ -41,6 +41,7 @@ def test_every_claim_on_rig_and_lives_is_judged():
     assert set(ALL) <= set(claim_ids())
 
 
+@pytest.mark.slow
 def test_quick_verdicts():
     rows = evaluate_claims(ids=QUICK_RIG)
     json.dumps(rows, allow_nan=False)

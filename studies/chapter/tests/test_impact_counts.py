@@ -20,7 +20,7 @@ def truth(a, b, settle, period):
     return hits / period, late.sum() / period, change[3] / period, np.abs(change[:3]).max()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("b", "impacts"), [(0.15, 1), (0.187, 2), (0.203, 3)])
 def test_the_mole_hits_without_a_reset(b, impacts):
     hits, events, drift, _ = truth(0.3, b, 20, 1)
@@ -54,6 +54,7 @@ def test_means_are_those_of_whole_periods():
     assert column["v_per_time"].item() == pytest.approx(drift * 0.1 / (2 * np.pi), abs=closed)
 
 
+@pytest.mark.slow
 def test_means_over_iterates_are_those_of_whole_periods():
     """Two impacts per period are two iterates; 7 of them are no whole number of periods."""
     _, events, drift, _ = truth(0.3, 0.187, 20, 1)

@@ -135,6 +135,7 @@ def test_without_preload_contacts_change_where_they_cross_an_axis(step):
         assert np.abs(point["leg_states"].sel(state="y").values[behind]).min() <= 1e-8
 
 
+@pytest.mark.slow
 def test_coexisting_motions():
     """At 2.181 without preload periods one and three, each from about half of the starts."""
     found = coexisting(set_a(0.0, 2.181), starts=16, transient=400)

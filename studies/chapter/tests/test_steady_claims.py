@@ -38,6 +38,7 @@ def test_periods_of_fig_7(rows):
         assert evidence["unsettled"] == 0 and 0.0 < evidence["multiplier"] < 1.0
 
 
+@pytest.mark.slow
 def test_chaos_of_fig_7_beside_a_period(rows):
     """The chaotic motion is that from rest; a period-one motion coexists, and the row says so."""
     row = rows["M12"]
@@ -63,6 +64,7 @@ def test_other_evidence_turns_the_verdict(rows, name, change):
     assert not _check(name).judge(rows[name]["evidence"] | change).true
 
 
+@pytest.mark.slow
 def test_another_static_force_has_another_regime():
     """The period-one motion of Fig. 7(d) is not chaotic, that of (e) has no period of one."""
     assert not _check("M12").judge(_check("M12").compute(b=0.15, starts=20)).true

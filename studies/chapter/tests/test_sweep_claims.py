@@ -96,6 +96,7 @@ def test_place_of_the_maximum_decides(name, best, ends, expected):
     assert judged(name, {"a": 0.3, "step": 0.001, "rows": [found]}) == expected
 
 
+@pytest.mark.slow
 def test_windows_on_a_small_grid():
     """Coarse columns show the large windows, and that there are chaotic ones below."""
     evidence, found = computed("M20", amplitudes=(0.1, 0.9), columns=30, protocols=("restart",))
@@ -106,6 +107,7 @@ def test_windows_on_a_small_grid():
     assert evidence["rows"][0]["chaotic_share"] > 0.4
 
 
+@pytest.mark.slow
 def test_rise_of_progression_on_a_small_grid():
     """It rises at first; that it falls later is seen with few columns too."""
     evidence, found = computed("M24", columns=30)

@@ -33,6 +33,7 @@ def autoregressive(count, factor, rng):
     return x
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("factor", [0.0, 0.6, 0.9])
 def test_the_true_rate_lies_within_its_interval_as_often_as_stated(factor):
     rng, repeats, inside, rates = np.random.default_rng(1), 200, 0, []

@@ -146,6 +146,7 @@ def test_spikes_at_the_ends(at):
     assert found["size"].item() == pytest.approx(10.0, abs=0.1)  # 20 deviations of the noise
 
 
+@pytest.mark.slow
 def test_clean_ends_are_no_spikes():
     """Records of 40 samples, that have hardly anything but ends; allowed are 0.2 in 1000."""
     rng, t = np.random.default_rng(9), np.arange(40) / RATE

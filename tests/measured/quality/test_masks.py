@@ -43,6 +43,7 @@ def test_a_channel_that_froze_for_a_moment():
     assert kept["x"].attrs["ancillary_variables"] == "x_quality"
 
 
+@pytest.mark.slow
 def test_with_a_period_flagged_samples_are_left_out_of_the_fit():
     record = accelerations(frozen=True)
     plain = ns.measured.displacements(record, {"a": "x"}, period=1 / SPEED)

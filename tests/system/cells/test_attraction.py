@@ -67,6 +67,7 @@ def test_dry_friction_holds_beside_a_stiff_spring(k):
     assert float(end["x"]) * k == pytest.approx(-0.1, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_dampers_that_come_and_go_hold_nothing():
     """In contact the ring of the rotor stands where its springs put it, and passes their ends."""
     cells = ns.models.rotor().structure.running

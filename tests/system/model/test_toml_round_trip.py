@@ -81,6 +81,7 @@ def systems(draw) -> System:
     )
 
 
+@pytest.mark.slow
 @given(systems())
 def test_a_system_is_the_same_after_reading(system):
     again = System.from_toml(system.to_toml())
@@ -98,6 +99,7 @@ def test_a_system_is_the_same_after_reading(system):
         assert list(getattr(again, key)) == list(getattr(system, key))
 
 
+@pytest.mark.slow
 @given(systems())
 def test_every_system_is_explained(system):
     file = io.StringIO()
