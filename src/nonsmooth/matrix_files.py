@@ -87,7 +87,7 @@ def _mat(path: Path) -> dict[str, Any]:
 
     try:
         found = loadmat(path)
-    except NotImplementedError:
+    except NotImplementedError:  # what scipy says of files that are HDF5
         raise ModelError(
             f"path: {path.name} is a file of MATLAB's version 7.3; save it with '-v7'"
         ) from None

@@ -202,7 +202,9 @@ OF_A_BALL = ("--free", "r=0.5:0.95", "--initial", "x=1.2", "--hold-back", "0", "
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("header", "factor"), [("instant", 1.0), ("instant [ms]", 1e3)])
+@pytest.mark.parametrize(
+    ("header", "factor"), [("instant", 1.0), ("instant [ms]", 1e3), ("t_ms", 1e3)]
+)
 def test_instants_beside_a_record(call, ball, tmp_path, header, factor):
     """The instant of a bounce says what its height does, in the unit of its header."""
     np.savetxt(tmp_path / "bounces.csv", factor * ball, header=header, comments="")

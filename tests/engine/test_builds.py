@@ -35,7 +35,6 @@ def test_the_engine_is_compiled_from_its_sources():
     )
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(
     not (V3.exists() and engine.nonsmooth_runs_v3()),
     reason="this processor runs the build `baseline` only",

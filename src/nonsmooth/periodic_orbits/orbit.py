@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,7 +26,9 @@ Floats = npt.NDArray[np.float64]
 
 _NEUTRAL = 1e-10  # distance from the unit circle that rounding may make
 _MOST_TURNS = 1200  # of a cycle: as many as its guess can have
-_PRIMES = np.array([k for k in range(2, _MOST_TURNS) if all(k % d for d in range(2, k))])
+_PRIMES = np.array(
+    [k for k in range(2, _MOST_TURNS) if all(k % d for d in range(2, math.isqrt(k) + 1))]
+)
 _SAME = 1e-7  # part of the size of a state within which parts of an orbit are the same
 
 
