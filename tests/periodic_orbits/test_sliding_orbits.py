@@ -8,11 +8,11 @@ import nonsmooth as ns
 from periodic_orbits.references import chatter
 
 
-def belt() -> ns.System:
+def belt(z: float = 0.0) -> ns.System:
     return ns.System(
         states=["x", "v"],
-        parameters={"v_b": 0.3, "F_k": 0.4, "F_s": 0.6},
-        equations={"x": "v", "v": "-x - F_k*sign(slip)"},
+        parameters={"v_b": 0.3, "F_k": 0.4, "F_s": 0.6, "z": z},
+        equations={"x": "v", "v": "-x - 2*z*v - F_k*sign(slip)"},
         surfaces={
             "slip": ns.Surface("v - v_b", below="lag", on="stick", above="lead", hold="F_s/F_k")
         },
@@ -118,6 +118,32 @@ def test_a_branch_through_the_end_of_rebounds(omega):
     assert not at_rest[0] and at_rest[-1]
     # one change only, and the flight over the section is gone with it
     assert np.count_nonzero(np.diff(at_rest.astype(int))) == 1
+
+
+def fastest_with_stick(z: float) -> float:
+    """The speed of the belt at which a damped block comes up to it once a turn, and no faster."""
+    with mp.workdps(30):
+        w, drop = mp.sqrt(1 - mpf(z) ** 2), mpf("0.6") - mpf("0.4")
+
+        def speed_and_rate(t, v):
+            y = drop - 2 * z * v  # from the middle of the slip, where stick ends
+            e, c, s = mp.exp(-z * t), mp.cos(w * t), mp.sin(w * t) / w
+            now, rate = e * (y * (c + z * s) + v * s), e * (v * (c - z * s) - y * s)
+            return [rate - v, -2 * z * rate - now]
+
+        return float(mp.findroot(speed_and_rate, (mpf("5.8"), mpf("0.37")))[1])
+
+
+def test_the_last_stick_is_found_to_rounding_from_any_range():
+    # the end is a fold of the equations as well, in whichever order rounding has both
+    z = 0.02
+    system = belt(z)
+    orbit, truth = ns.find_orbit(system, transient=5), fastest_with_stick(z)
+    for high in (0.57, 0.60, 0.81):
+        branch = ns.continue_orbit(system, "v_b", (0.3, high), initial=orbit)
+        ends = dict(zip(branch["special_kind"].values, branch["special_value"].values, strict=True))
+        # states are known to rounding, and the parameter changes by the square of the rest time
+        assert ends["grazing"] == pytest.approx(truth, rel=1e-11), high
 
 
 def relays() -> ns.System:

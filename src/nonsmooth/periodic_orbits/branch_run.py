@@ -195,8 +195,8 @@ class _StretchWalk:
         if not name and self.begin > 0.0 and not self._before and not stands:
             self._unclear += 1
             return True  # where the word has just changed rounding decides what the engine finds
-        # a test of the word that rises
-        return is_of_word(name) and self._before.get(name, 1.0) < 0.0
+        # a test of the word that rises; one that has just come to zero, with a fold, has fallen
+        return is_of_word(name) and self._before.get(name, 1.0) < -_BEYOND
 
     def _locates(self, point: Point) -> bool:
         """Whether a point is the graze on whose other side the stretch begins."""
