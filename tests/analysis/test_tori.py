@@ -14,7 +14,7 @@ from nonsmooth.analysis.regimes.closed_curves import (
     closed_curves,
     told_rotation,
 )
-from nonsmooth.analysis.regimes.window import grows, run_away, shrinks, strobe_test, travels
+from nonsmooth.analysis.regimes.window import Growing, run_away, shrinks, strobe_test, travels
 
 GOLDEN = 0.5 * (5**0.5 - 1)
 UNSEEN = np.array([np.inf]), np.array([-np.inf])
@@ -291,17 +291,18 @@ def test_a_torus_whose_windows_reach_ever_farther():
 
 def test_growth_needs_to_leave_what_was_seen():
     k = np.arange(1001.0)[:, None]
-    size = np.array([1.0])
     beat = 1.0 - np.cos(2 * np.pi * k / 8000)
-    first = grows(beat, ("x",), size, UNSEEN)
-    assert first.startswith("x grows from window to window, as a long beat may do")
-    seen = np.array([-1.0]), np.array([2.0])
-    assert grows(beat, ("x",), size, seen) == ""
     fine = np.cos(2 * np.pi * 0.244188 * k) * (1 + 1e-5 * k / 1000)  # finds its extremes better
-    assert grows(fine, ("x",), size, UNSEEN) == grows(fine, ("x",), size, seen) == ""
-    ramp = grows(3.0 + k / 1000, ("x",), size, seen)
-    assert "without bound so far" in ramp
-    assert "moves on by the same amount" in ramp
+    strobes = np.stack([beat, beat, fine, fine, 3.0 + k / 1000, 3.0 + k / 1000])
+    seen = np.array([0, 1, 0, 1, 1, 1], bool)[:, None]
+    low, high = np.where(seen, -1.0, np.inf), np.where(seen, 2.0, -np.inf)
+    moving = np.array([1, 1, 1, 1, 1, 0], bool)[:, None]
+    growing = Growing.of(strobes, moving, np.ones((6, 1)), (low, high))
+    told = [growing.told(i, ("x",)) for i in range(6)]
+    assert told[0].startswith("x grows from window to window, as a long beat may do")
+    assert told[1] == told[2] == told[3] == told[5] == ""
+    assert "without bound so far" in told[4]
+    assert "moves on by the same amount" in told[4]
 
 
 def test_bursts_and_beats_that_were_seen_before():

@@ -165,4 +165,4 @@ def test_a_store_is_finished_where_it_was_begun(graphics, tmp_path, monkeypatch,
 
 def test_tasks_are_larger_on_a_device():
     assert by_recurrences._ON_DEVICE > lane_runner._LEAST_ON_DEVICE > by_recurrences._TOGETHER
-    assert points._ON_DEVICE > sweep_runner._LEAST_ON_DEVICE > points._TOGETHER
+    assert points._ON_DEVICE > sweep_runner._LEAST_ON_DEVICE > sweep_runner._MOST

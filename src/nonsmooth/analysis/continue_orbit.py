@@ -156,6 +156,9 @@ def continue_orbit(
         on in the parameter or turns back (a nonsmooth fold).
     ``corner``
         Two guards are zero at one instant.
+    ``border_collision``
+        A state that only resets change comes to the border of two formulas, as in a map that is
+        defined piece by piece. The branch goes on with the other formula or turns back.
     ``gained``, ``lost``
         A leg appears between two exits that were passed at one instant, or vanishes.
     ``crossing_sliding``

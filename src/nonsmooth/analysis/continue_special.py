@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["continue_special"]
 
 _KINDS = (
-    "fold", "flip", "torus", "grazing", "corner", "gained", "lost",
+    "fold", "flip", "torus", "grazing", "corner", "border_collision", "gained", "lost",
     "crossing_sliding", "grazing_sliding", "switching_sliding", "adding_sliding",
 )  # fmt: skip
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["forecast"]
 
-_TOGETHER = 32  # neighbours that are computed side by side, as in a tile
+_TOGETHER = 64  # neighbours that are computed side by side, as in a tile
 _CELLS = 8  # along each side of a square that is refined as a tile is
 _LEAST = 8  # places of which a mean and its error tell something
 _WEIGHED = 64  # tiles that are done and whose size is read
@@ -38,7 +38,7 @@ Floats = npt.NDArray[np.float64]
 
 
 def forecast(
-    store: str | Path, *, sample: int = 256, threads: int | None = None, seed: int = 0
+    store: str | Path, *, sample: int = 128, threads: int | None = None, seed: int = 0
 ) -> xr.Dataset:
     """Tell how long the rest of a map in tiles will take here, and how large its store will be.
 
@@ -47,8 +47,8 @@ def forecast(
     store : str or Path
         Folder that `plan_map` has made.
     sample : int, optional
-        Number of places at which 16 neighbouring points are computed and timed: one place at random
-        in each of as many equal parts of the map. Their results are not kept.
+        Number of places at which up to 64 neighbouring points are computed and timed: one place at
+        random in each of as many equal parts of the map. Their results are not kept.
     threads : int, optional
         Number of threads; without it, one for each processor. The forecast is for as many.
     seed : int, optional

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.derivatives import Columns, Rates
+from nonsmooth.engine.extremes import state_maxima
 from nonsmooth.engine.lanes import WORK, Anchor, Segment, Tangent
 from nonsmooth.engine.library import constant, engine
 from nonsmooth.engine.record import Floats, Integers, Record, Rows, array_pointer, zeros
@@ -143,8 +144,8 @@ def scales(points: Floats, drifting: npt.NDArray[np.bool_]) -> Floats:
 
     shapes: points (..., s, n), drifting (n,)
     """
-    moving = np.abs(np.diff(points, axis=-2)).max(axis=-2, initial=0.0)
-    return np.where(drifting, moving, np.abs(points).max(axis=-2, initial=0.0))
+    moving = state_maxima(np.abs(np.diff(points, axis=-2)), initial=0.0)
+    return np.where(drifting, moving, state_maxima(np.abs(points), initial=0.0))
 
 
 def primitive_periods(

@@ -483,7 +483,9 @@ def _detail(stretch: BranchStretch, name: str, start: BranchStart, point: Point)
     """What happens in words: which guard or leg, and whether the parameter turns back."""
     word, system = stretch.equations.word, stretch.options.system
     what = in_words(system, word, name)
-    if start.kind in _AT_BORDER:
+    if start.kind == "border_collision":
+        what = in_words(system, word, name.replace("corner", "border"))
+    elif start.kind in _AT_BORDER:
         kind, *numbers = name.split(":")
         k = int(numbers[0]) if numbers and numbers[0].isdigit() else 0
         k -= kind in ("leg", "rate") and k > 0

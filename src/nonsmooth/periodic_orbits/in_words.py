@@ -11,6 +11,7 @@ _TOUCHES = {
     "graze": "touches {}",
     "rate": "comes with zero speed to {}",
     "corner": "reaches {} just as it ends",
+    "border": "comes to lie on {}",
     "over": "is thrown as far as {} by the impact that ends it",
 }
 

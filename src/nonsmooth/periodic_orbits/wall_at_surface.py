@@ -15,7 +15,7 @@ from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.onto import onto_beyond
 from nonsmooth.periodic_orbits.word import Word, shortest_paths
 
-__all__ = ["surface_before_wall", "wall_before_surface"]
+__all__ = ["surface_before_wall", "through_wall", "wall_before_surface"]
 
 Path = tuple[int, ...]
 
@@ -38,7 +38,7 @@ def wall_before_surface(
     place = keep.index(before)
     instants = np.delete(turn.instants, k if k else 1)
     found = []
-    for straight in _through_wall(equations, mode, word.last_target(wiring, k), turn, k):
+    for straight in through_wall(equations, mode, word.last_target(wiring, k), turn, k):
         paths = [word.paths[i] if i != before else straight for i in keep]
         new = Word(tuple(word.modes[i] for i in keep), tuple(paths))
         found.append((Guess(new, Turn(turn.states[keep], instants)), f"corner:{place}:{path[0]}"))
@@ -67,14 +67,14 @@ def surface_before_wall(
     there = Turn(states, np.insert(turn.instants, k + 1, turn.instants[k + 1]))
     found = []
     for path, inside in ways:
-        for straight in _through_wall(equations, inside, word.last_target(wiring, k), there, k + 1):
+        for straight in through_wall(equations, inside, word.last_target(wiring, k), there, k + 1):
             modes = (*word.modes[: k + 1], inside, *word.modes[k + 1 :])
             paths = (*word.paths[:k], path, straight, *word.paths[k + 1 :])
             found.append((Guess(Word(modes, paths), there), f"leg:{k + 1}"))
     return found
 
 
-def _through_wall(
+def through_wall(
     equations: OrbitEquations, mode: int, after: int, turn: Turn, k: int
 ) -> list[Path]:  # fmt: skip
     """Ways from a mode to another one by the wall that is met where leg k begins."""

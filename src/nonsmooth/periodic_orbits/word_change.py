@@ -24,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.tables import PATH_LENGTH, Wiring
+from nonsmooth.periodic_orbits.border_collision import beyond_border
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.excursions import is_graze, path_at_corner
 from nonsmooth.periodic_orbits.guess import Guess
@@ -419,7 +420,11 @@ def _with_event_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> 
     path = (g, *with_jump(wiring, mode, word.paths[k]))
     leads_back = int(wiring.exits["target"][mode, g]) == mode
     if not leads_back:
-        around = _around_corner(equations, turn, k, g)
+        border = [
+            Change("border_collision", guess, grows)
+            for guess, grows in beyond_border(equations, turn, k, g)
+        ]
+        around = border or _around_corner(equations, turn, k, g)
         return around or _at_walls(surface_before_wall(equations, turn, k, g))
     if len(path) > PATH_LENGTH:
         return []

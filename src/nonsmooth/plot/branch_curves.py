@@ -45,6 +45,7 @@ _MARKS: dict[str, tuple[str, str]] = {
     "branch_point": ("*", PALETTE["purple"]),
     "grazing": ("^", PALETTE["vermilion"]),
     "corner": ("v", PALETTE["sky"]),
+    "border_collision": ("v", PALETTE["orange"]),
     "gained": ("P", PALETTE["yellow"]),
     "lost": ("X", "white"),
     "crossing_sliding": ("1", PALETTE["green"]),

@@ -35,7 +35,7 @@ _INFINITE = 1e300
 _SAME = 1e-6  # multipliers closer than this look like one
 
 _JUMPS = (  # where multipliers may jump
-    "grazing", "corner", "gained", "lost",
+    "grazing", "corner", "border_collision", "gained", "lost",
     "crossing_sliding", "grazing_sliding", "switching_sliding", "adding_sliding",
 )  # fmt: skip
 NO_BOUND = 1e8  # larger at a graze of a rigid wall: infinite but for rounding, and on no path

@@ -31,18 +31,26 @@ from nonsmooth.runs.devices import device_for
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.system import System
 
-__all__ = ["Motions", "Recorded", "SweepRunner", "SweepStarts", "Times"]
+__all__ = ["Motions", "Recorded", "SweepRunner", "SweepStarts", "Times", "motions_per_task"]
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
-_MOST = 32  # motions in one call, some milliseconds of work
+_MOST = 64  # motions in one call, some milliseconds of work
 _BYTES = 2**25  # of their tables
+# motions of a task at least, as what Python does for a task costs as much as some motions; and
+# tasks of a sweep, so that many threads have work, and little is lost of one that is stopped
+_LEAST_TOGETHER, _TASKS = 16, 16
 _MOST_ON_DEVICE, _ON_DEVICE = 2**15, 2**30  # the same of a graphics device
 _LEAST_ON_DEVICE = 512  # motions, of which fewer run faster on the processor
 _FIRST_EVENTS = 4096  # rows of the logs of all motions, to begin with
 _RATES = no_rates()  # columns are derivatives by initial states alone
 _OF_ONE_CALL = ("samples", "events", "segments", "uncertain", "estimated")  # counters
+
+
+def motions_per_task(count: int) -> int:
+    """How many of so many motions one task has, whoever runs it."""
+    return int(np.clip(count // _TASKS, _LEAST_TOGETHER, _MOST))
 
 
 class SweepStarts(NamedTuple):

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, is_known, unknown_choice
+from nonsmooth.runs.sweep_runner import motions_per_task
 
 __all__ = ["End", "check_way", "links_of", "pack_end", "take_end"]
 
 _STARTS = ("restart", "follow up", "follow down")
-_TOGETHER = 16  # columns in a link: a few milliseconds of work
+_TOGETHER = 16  # columns in a link of a chain: a few milliseconds of work
 _NAME = "end_of_link"
 
 
@@ -37,7 +38,8 @@ def links_of(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:
     order = np.arange(grid.size) if start == "restart" else np.argsort(grid, kind="stable")
     if start == "follow down":
         order = order[::-1]
-    return [order[i : i + _TOGETHER].tolist() for i in range(0, grid.size, _TOGETHER)]
+    size = motions_per_task(grid.size) if start == "restart" else _TOGETHER
+    return [order[i : i + size].tolist() for i in range(0, grid.size, size)]
 
 
 def pack_end(end: End | None) -> dict[str, npt.NDArray[Any]]:

@@ -14,6 +14,7 @@ from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group, ParameterSets, settle
 from nonsmooth.analysis.statistics.periodicity import REPEATS, scales, settled_periods
 from nonsmooth.analysis.statistics.rest import comes_to_rest, floor_of, natural_sizes
+from nonsmooth.engine.extremes import state_maxima, state_ranges
 from nonsmooth.engine.status import Status
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.outputs import StateRates
@@ -104,8 +105,8 @@ def said_of_restless(
 def _natural(group: Group, recorded: Recorded, passed: PassedEvents, chosen: Bools) -> Floats:
     """Natural sizes of the states of some motions, (K, n): of drifts, those that they have."""
     still = ~group.drifting
-    sizes = np.maximum(np.abs(recorded.states).max(axis=1), _begun(group, recorded))
-    np.maximum.at(sizes, passed.motion, np.abs(recorded.event_states).max(axis=1))
+    sizes = np.maximum(state_maxima(np.abs(recorded.states)), _begun(group, recorded))
+    np.maximum.at(sizes, passed.motion, state_maxima(np.abs(recorded.event_states)))
     for i in np.flatnonzero(chosen).tolist():
         sizes[i] = _passing_zero(group, recorded, i, sizes[i])
     blocks_over = partial(IntervalTangents(group).over_part, recorded.last)
@@ -132,8 +133,8 @@ def _resting(
         return found
     driven = group.runner.is_driven
     states, natural, begun = recorded.states[..., still], natural[:, still], _begun(group, recorded)
-    ranges, largest = np.ptp(states, axis=1), np.abs(states).max(axis=1)
-    left = largest if driven else ranges
+    ranges = state_ranges(states)
+    left = state_maxima(np.abs(states)) if driven else ranges
     first = np.full(open_yet.size, -recorded.states.shape[1])
     events, _ = passed.counts(passed.between(first))
     found = np.any(begun[:, still] > 0.0, axis=1) & np.all(left <= match**2 * natural, axis=1)

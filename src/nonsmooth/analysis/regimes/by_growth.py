@@ -23,8 +23,8 @@ from nonsmooth.analysis.regimes.slow_decay import KEPT, MotionTube, SteadyRate, 
 from nonsmooth.analysis.regimes.window import (
     APART,
     SHRINKING,
+    Growing,
     StrobeTest,
-    grows,
     no_closed_orbit,
     rest_floor,
     run_away,
@@ -35,6 +35,7 @@ from nonsmooth.analysis.regimes.window import (
 )
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.block_averages import block_averages
+from nonsmooth.engine.extremes import state_maxima, state_minima, state_ranges
 from nonsmooth.runs.strobe_times import hides_phase
 from nonsmooth.system.columns import with_error
 
@@ -85,9 +86,9 @@ class EarlierLooks(NamedTuple):
     def after(self, which: Integers, strobes: Floats) -> EarlierLooks:
         """The same with strobes (m, K, n) of some motions seen too."""
         low, high, spread = (each.copy() for each in self[:3])
-        low[which] = np.minimum(low[which], strobes.min(axis=1))
-        high[which] = np.maximum(high[which], strobes.max(axis=1))
-        spread[which] = np.ptp(np.array_split(strobes, 2, axis=1)[1], axis=1)
+        low[which] = np.minimum(low[which], state_minima(strobes))
+        high[which] = np.maximum(high[which], state_maxima(strobes))
+        spread[which] = state_ranges(np.array_split(strobes, 2, axis=1)[1])
         return self._replace(low=low, high=high, spread=spread)
 
 
@@ -166,8 +167,12 @@ class Evidence:
 
         Those that rest leave rounding, which must not be taken for what a motion does.
         """
-        moving = (np.ptp(self.looks, axis=1) > self.floor) & ~self.drifting
+        moving = (state_ranges(self.looks) > self.floor) & ~self.drifting
         return np.where(np.any(moving, axis=1, keepdims=True), moving, ~self.drifting)
+
+    def series(self, i: int) -> Floats:
+        """Numbers of motion i at strobes in a row: see `_series`."""
+        return _series(self.strobes[i], self.moving[i])
 
     def names_of(self, i: int) -> tuple[str, ...]:
         """Names of the states of motion i that move."""
@@ -181,10 +186,16 @@ class Evidence:
         return run_away(*self.windows, before, self.floor[:, still]).tolist()
 
     @cached_property
+    def growing(self) -> Growing:
+        """Which states grow by equal steps or larger ones."""
+        before = self.history.low, self.history.high
+        return Growing.of(self.strobes, self.moving, self.sizes, before)
+
+    @cached_property
     def shrink(self) -> list[bool]:
         """Whether each motion dies away, and has not grown since the window before: no beat."""
         still = ~self.drifting
-        floor, first = self.floor[:, still], np.ptp(self.windows[0], axis=-2)
+        floor, first = self.floor[:, still], state_ranges(self.windows[0])
         spread = np.maximum(self.history.spread[:, still], floor)
         grew = np.any(first > (1.0 + APART) * spread, axis=-1)
         return (shrinks(*self.windows, floor) & ~grew).tolist()
@@ -202,16 +213,14 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
         part[i] for part in found.exponents
     )
     rates, errors = (first, second), (first_error, second_error)
-    series = _series(found.strobes[i], found.moving[i])
     unasked = protocol.is_survey or found.autonomous  # a cycle turns as well between strobes
-    curves = None if unasked else closed_curves(series)
+    curves = None if unasked else closed_curves(found.series(i))
     turns, attracting = isinstance(curves, ClosedCurves), found.attracting(i)
     label = labels.label_of_growth(rates, errors, count * length, attracting, turns=turns)
     slow = found.steady(i)
     is_cycle = slow.decays and label in ("", labels.QUASI_PERIODIC) and _is_line(found, i)
     if is_cycle:
         label, exponent, error = labels.LIMIT_CYCLE, slow.rate / length, slow.error / length
-    both = f"{with_error(first, first_error, 3, 2)} and {with_error(second, second_error, 3, 2)}"
     rate, told = exponent, f"exponent {with_error(exponent, error, 3, 2)}"
     if found.autonomous and np.count_nonzero(~found.drifting) < 2:
         rate, told = np.nan, "one state, and no direction across it"
@@ -219,7 +228,7 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
         told = "no perturbation across the cycle outlives its events"
     elif label == labels.QUASI_PERIODIC and label != attracting:
         rule = _rule(rates, errors, length, curves, protocol)
-        told = f"exponent of two windows, {both}, {rule}"
+        told = f"exponent of two windows, {_of_both(rates, errors)}, {rule}"
     why, factor = _unbounded(label, seen, found, i, turns=turns), None
     if not why and label == labels.QUASI_PERIODIC:
         if found.autonomous:
@@ -229,7 +238,7 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
     elif not why and label == labels.LIMIT_CYCLE and _strobes_settle(found, i, exponent * length):
         why, factor = f"they draw together: {_SETTLES}", float(np.exp(exponent * length))
     if not (why or label):
-        why = _undecided(rates, errors, both, protocol, slow, autonomous=found.autonomous)
+        why = _undecided(rates, errors, protocol, slow, autonomous=found.autonomous)
         why += _cure(curves, protocol) if why.endswith(_NOTHING) else ""
         factor = float(np.exp(slow.rate if slow.decays else exponent * length))
     if why:
@@ -240,7 +249,7 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
             why += _follow_further(factor, seen, found, i, protocol)
         said = f"strobes do not repeat, and {why}"
         return replace(seen, label=labels.UNSETTLED, reason=said, exponent=rate, error=error)
-    test, contradiction = _agreeing_test(label, series, protocol, turns=turns)
+    test, contradiction = _agreeing_test(label, found.series(i), protocol, turns=turns)
     seen = replace(seen, exponent=rate, error=error, k=test.k)
     if contradiction:
         cure = _cure(curves, protocol)
@@ -368,10 +377,14 @@ def _rule(
     return "falls as where neighbours part linearly"
 
 
+def _of_both(rates: tuple[float, float], errors: tuple[float, float]) -> str:
+    """Exponents of two windows with their errors."""
+    return " and ".join(with_error(*each, 3, 2) for each in zip(rates, errors, strict=True))
+
+
 def _undecided(
     rates: tuple[float, float],
     errors: tuple[float, float],
-    both: str,
     protocol: RegimeProtocol,
     slow: SteadyRate,
     *,
@@ -385,7 +398,7 @@ def _undecided(
             f" more than {longest} strobes, half the record, or is about to be; give a longer"
             f" record= than {protocol.record}"
         )
-    told = f"exponents of two windows, {both}"
+    told = f"exponents of two windows, {_of_both(rates, errors)}"
     if slow.decays:
         return f"{told}, and the same one in all of them, say that {_SETTLES}"
     if max(rate + labels.ERRORS * error for rate, error in zip(rates, errors, strict=True)) >= 0.0:
@@ -444,21 +457,21 @@ def _long_period(protocol: RegimeProtocol) -> str:
 def _unbounded(label: str, seen: Verdict, found: Evidence, i: int, *, turns: bool) -> str:
     """Why two windows of states contradict the label of motion i, "" where they do not."""
     moving = found.moving[i]
-    earlier, later = np.array_split(found.looks[i][:, moving], 2)
-    if earlier.shape[1] == 0 or (turns and label == labels.QUASI_PERIODIC):
+    if not np.any(moving) or (turns and label == labels.QUASI_PERIODIC):
         return ""  # nothing to compare, or a closed curve, which is bounded and does not shrink
     if label == labels.CHAOTIC:
         return "the motion grows tenfold from window to window" if found.run_away[i] else ""
-    names, sizes, before = found.names_of(i), found.sizes[i, moving], found.seen_before(i)
     if not found.autonomous:
-        why = grows(found.strobes[i][:, moving], names, sizes, before)
-        if why:
-            return why
+        why = found.growing.told(i, found.names)
+        why = why or (SHRINKING if found.shrink[i] else "")
+        return f"{why}: {_SETTLES}" if why == SHRINKING else why
+    earlier, later = np.array_split(found.looks[i][:, moving], 2)
+    names, sizes, before = found.names_of(i), found.sizes[i, moving], found.seen_before(i)
     if label == labels.LIMIT_CYCLE:
         turns = seen.events > 0 or bool(np.any(found.angles))
         why = no_closed_orbit(earlier, later, names, sizes, turns, found.match)
     else:
-        torus = label == labels.QUASI_PERIODIC and found.autonomous
+        torus = label == labels.QUASI_PERIODIC
         why = travels(earlier, later, names, before) if torus else ""
         why = why or (SHRINKING if found.shrink[i] else "")
     return f"{why}: {_SETTLES}" if why == SHRINKING else why

@@ -21,12 +21,12 @@ from nonsmooth.analysis.settle import ParameterSets, settle
 from nonsmooth.runs.devices import device_for
 from nonsmooth.runs.stored_tasks import run_stored_tasks
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
-from nonsmooth.runs.sweep_runner import SweepRunner
+from nonsmooth.runs.sweep_runner import SweepRunner, motions_per_task
 
 __all__ = ["Plane"]
 
-_TOGETHER = 16  # points in a task: some hundredths of a second
-_ON_DEVICE = 4096  # the same on a graphics device
+_IN_A_ROW = 16  # points in a task whose motions follow each other: some hundredths of a second
+_ON_DEVICE = 4096  # points in a task on a graphics device
 _NUMBERS = (
     "transient_used", "length", "period", "events", "impacts", "exponent", "error", "k",
     "residual", "chaotic_for", "uncertain", "estimated", "progresses",
@@ -57,10 +57,9 @@ class Plane:
         shape = (self.values[1].size, self.values[0].size)
         self.grid = LabelGrid(shape)
         self._step = 0
-        self._together, self._stored_with = _TOGETHER, self.told
-        if self.way == "restart" and device_for(self.chosen.system) is not None:
-            self._together = _ON_DEVICE
-            self._stored_with = {**self.told, "device": "gpu"}  # whose tasks are others
+        self._on_device = self.way == "restart" and device_for(self.chosen.system) is not None
+        # of a device, whose tasks are others
+        self._stored_with = {**self.told, "device": "gpu"} if self._on_device else self.told
 
     def compute(self, places: Places) -> bool:
         """Verdicts of some places; False where the user interrupted."""
@@ -99,21 +98,18 @@ class Plane:
         Motions that follow each other are those of one row; with the task that each one follows.
         """
         if self.way == "restart":
-            return self._some_each(places), {}
+            size = _ON_DEVICE if self._on_device else motions_per_task(len(places))
+            return _some_each(places, size), {}
         rows = np.split(places, np.flatnonzero(np.diff(places[:, 0])) + 1)
         parts: list[Places] = []
         after: dict[int, int] = {}
         for row in rows:
             ordered = row if self.way == "follow up" else row[::-1]
-            for k, part in enumerate(self._some_each(ordered)):
+            for k, part in enumerate(_some_each(ordered, _IN_A_ROW)):
                 if k:
                     after[len(parts)] = len(parts) - 1
                 parts.append(part)
         return parts, after
-
-    def _some_each(self, places: Places) -> list[Places]:
-        size = self._together
-        return [places[i : i + size] for i in range(0, len(places), size)]
 
     def _task(
         self, places: Places, before: int | None, ends: dict[int, End | None]
@@ -132,6 +128,10 @@ class Plane:
             follow=partial(ends.get, -1 if before is None else before) if follow else None,
             alone=follow,
         )
+
+
+def _some_each(places: Places, size: int) -> list[Places]:
+    return [places[i : i + size] for i in range(0, len(places), size)]
 
 
 def _packed(done: Done) -> dict[str, npt.NDArray[Any]]:

@@ -12,6 +12,7 @@ chaotic or not as before.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -25,16 +26,17 @@ from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.periodicity import nearest_returns, scales, settled_periods
 from nonsmooth.analysis.statistics.rest import floor_of, halves
 from nonsmooth.analysis.zero_one_test import correlations_of
+from nonsmooth.engine.extremes import state_maxima, state_minima, state_ranges
 from nonsmooth.runs.sweep_runner import Recorded, SweepStarts, Times
 
 __all__ = [
     "APART",
     "SHRINKING",
+    "Growing",
     "StrobeTest",
     "Windows",
     "cyclic_word",
     "elsewhere",
-    "grows",
     "no_closed_orbit",
     "rest_floor",
     "run_away",
@@ -169,7 +171,7 @@ class Windows:
         States that rest do not count, unless all do.
         """
         floor = rest_floor(self.points, sizes, match)
-        moves = np.any((np.ptp(self.points, axis=1) > floor) & ~drifting, axis=1)
+        moves = np.any((state_ranges(self.points) > floor) & ~drifting, axis=1)
         return np.asarray(np.all(halves(self.points, floor) | drifting, axis=1) & moves)
 
     def returns(
@@ -199,16 +201,16 @@ class Windows:
     def _floors(self, motions: Integers, drifting: Bools, sizes: Floats, match: float) -> Floats:
         """Least scale of each state, (m, n): what is smaller is rounding, or at rest."""
         points = self.points[motions]
-        rounding = 4.0 * _EPSILON / match * np.abs(points).max(axis=1)
+        rounding = 4.0 * _EPSILON / match * state_maxima(np.abs(points))
         return np.where(drifting, rounding, floor_of(sizes, match))
 
 
 def _extremes(recorded: Recorded) -> tuple[Floats, Floats]:
     """Least and largest value of each state of each motion over all that was recorded, (M, n)."""
-    low, high = recorded.states.min(axis=1), recorded.states.max(axis=1)
+    low, high = state_minima(recorded.states), state_maxima(recorded.states)
     motion = np.repeat(np.arange(len(low)), np.diff(recorded.logs))
-    np.minimum.at(low, motion, recorded.event_states.min(axis=1))
-    np.maximum.at(high, motion, recorded.event_states.max(axis=1))
+    np.minimum.at(low, motion, state_minima(recorded.event_states))
+    np.maximum.at(high, motion, state_maxima(recorded.event_states))
     return low, high
 
 
@@ -232,9 +234,9 @@ def elsewhere(earlier: Floats, later: Floats, floor: Floats) -> npt.NDArray[np.b
 
     shapes: earlier and later (..., K, n); floor (..., n): a spread below it is none
     """
-    spread = np.ptp(np.concatenate([earlier, later], axis=-2), axis=-2)
+    size = state_ranges(np.concatenate([earlier, later], axis=-2))
     away = np.abs(np.sort(later, axis=-2) - np.sort(earlier, axis=-2)).mean(axis=-2)
-    return np.asarray(away > APART * np.maximum(spread, floor))
+    return np.asarray(away > APART * np.maximum(size, floor))
 
 
 def rest_floor(states: Floats, sizes: Floats, match: float) -> Floats:
@@ -242,7 +244,7 @@ def rest_floor(states: Floats, sizes: Floats, match: float) -> Floats:
 
     shapes: states (..., K, n), sizes (..., n): natural ones
     """
-    rounding = 4.0 * _EPSILON / match * np.abs(states).max(axis=-2)
+    rounding = 4.0 * _EPSILON / match * state_maxima(np.abs(states))
     return np.maximum(match * floor_of(sizes, match), rounding)
 
 
@@ -291,7 +293,7 @@ def shrinks(earlier: Floats, later: Floats, floor: Floats) -> Bools:
 
     shapes: earlier and later (..., K, n); floor (..., n): a spread below it is none; returns (...)
     """
-    before, now = np.ptp(earlier, axis=-2), np.ptp(later, axis=-2)
+    before, now = state_ranges(earlier), state_ranges(later)
     moves = before > floor
     smaller = elsewhere(earlier, later, floor) & (now < (1.0 - APART) * before)
     less = (now <= _HALF * before) | smaller
@@ -324,8 +326,8 @@ def run_away(earlier: Floats, later: Floats, before: tuple[Floats, Floats], floo
     floor: (..., n), a spread below it is none
     """
     low, high = before
-    more = np.ptp(later, axis=-2) > _RUNAWAY * np.maximum(np.ptp(earlier, axis=-2), floor)
-    beyond = (later.max(axis=-2) > high) | (later.min(axis=-2) < low)
+    more = state_ranges(later) > _RUNAWAY * np.maximum(state_ranges(earlier), floor)
+    beyond = (state_maxima(later) > high) | (state_minima(later) < low)
     return np.asarray(np.any(more & beyond, axis=-1))
 
 
@@ -345,44 +347,61 @@ def travels(
     return f"{which} travels: it has left its range of the window before (drift= declares a drift)"
 
 
-def grows(
-    strobes: Floats, names: tuple[str, ...], sizes: Floats, before: tuple[Floats, Floats]
-) -> str:
-    """Which states grow by equal steps or larger ones from part to part, "" where none does.
+class Growing(NamedTuple):
+    """Which states of M motions grow by equal steps or larger ones from part to part; n states.
 
     What settles grows by smaller and smaller steps, and what is bounded turns back. The parts of a
     beat grow too, by little where each has seen nearly all of it, or for as long as it lasts. So
-    growth is without bound, as far as one can see, where it leaves all that was seen ``before``
-    (as in `run_away`) by as much again. Where nothing was, it is said to grow, and no more.
-
-    shapes: strobes (K, n), natural sizes (n,) of the states
+    growth is without bound, as far as one can see, where it leaves all that was seen before by as
+    much again. Where nothing was, it is said to grow, and no more.
     """
-    parts = np.array_split(strobes, _PARTS)
-    edges = np.stack([[part.max(axis=0) for part in parts], [-part.min(axis=0) for part in parts]])
-    steps = np.diff(edges, axis=1)
-    first, least = steps[:, 0], np.maximum(_LEAST_STEP * sizes, _ROUNDING * sizes.max(initial=0.0))
-    higher = np.all((steps > least) & (steps >= (1.0 - _EQUAL) * first[:, None]), axis=1)
-    is_first = not np.all(np.isfinite(before))
-    known = np.stack([before[1], -before[0]])
-    away = steps.sum(axis=1) if is_first else edges[:, 0] - known
-    enough = np.maximum((1.0 - _EQUAL) * first, _GROWN * np.ptp(strobes, axis=0))
-    growing = np.any(higher & (away >= enough), axis=0)
-    if not np.any(growing):
-        return ""
-    each = np.diff(strobes, axis=0)
-    steady = growing & (np.ptp(each, axis=0) <= _STEADY * np.abs(each).max(axis=0))
-    told = ", ".join(name for name, does in zip(names, growing, strict=True) if does)
-    verb = "grow" if np.count_nonzero(growing) > 1 else "grows"
-    said = f"{told} {verb} from window to window, "
-    said += "as a long beat may do: a larger longest= tells" if is_first else "without bound so far"
-    if np.any(steady):
-        which = [name for name, does in zip(names, steady, strict=True) if does]
-        said += "".join(
+
+    states: Bools  # (M, n)
+    steadily: Bools  # (M, n): by the same amount in each period
+    is_first: Bools  # (M,): nothing was seen before
+
+    @staticmethod
+    def of(strobes: Floats, moving: Bools, sizes: Floats, before: tuple[Floats, Floats]) -> Growing:
+        """Growing states of those that are ``moving``; of ``before`` as in `run_away`.
+
+        shapes: strobes (M, K, n), moving (M, n), natural sizes (M, n) of the states
+        """
+        parts = np.array_split(strobes, _PARTS, axis=1)
+        high = np.stack([state_maxima(part) for part in parts], axis=1)
+        low = np.stack([state_minima(part) for part in parts], axis=1)
+        edges = np.stack([high, -low])  # (2, M, parts, n)
+        steps = np.diff(edges, axis=2)
+        first = steps[:, :, 0]
+        most = np.where(moving, sizes, 0.0).max(axis=1, initial=0.0)
+        smallest = np.maximum(_LEAST_STEP * sizes, _ROUNDING * most[:, None])
+        higher = (steps > smallest[:, None]) & (steps >= (1.0 - _EQUAL) * first[:, :, None])
+        known = np.stack([before[1], -before[0]])
+        is_first = ~np.all(np.isfinite(known), axis=(0, 2))
+        away = np.where(is_first[:, None], steps.sum(axis=2), edges[:, :, 0] - known)
+        enough = np.maximum((1.0 - _EQUAL) * first, _GROWN * state_ranges(strobes))
+        growing = np.any(np.all(higher, axis=2) & (away >= enough), axis=0) & moving
+        steadily = np.zeros_like(growing)
+        which = np.flatnonzero(np.any(growing, axis=1))
+        each = np.diff(strobes[which], axis=1)
+        same = state_ranges(each) <= _STEADY * state_maxima(np.abs(each))
+        steadily[which] = growing[which] & same
+        return Growing(growing, steadily, is_first)
+
+    def told(self, i: int, names: Sequence[str]) -> str:
+        """Which states of motion i grow, in words, "" where none does."""
+        growing = [name for name, does in zip(names, self.states[i], strict=True) if does]
+        if not growing:
+            return ""
+        verb = "grow" if len(growing) > 1 else "grows"
+        as_what = "as a long beat may do: a larger longest= tells"
+        if not self.is_first[i]:
+            as_what = "without bound so far"
+        return f"{', '.join(growing)} {verb} from window to window, {as_what}" + "".join(
             f"; {name} moves on by the same amount each period: drift= declares it, if it stands in"
             " no equation"
-            for name in which
+            for name, does in zip(names, self.steadily[i], strict=True)
+            if does
         )
-    return said
 
 
 class StrobeTest(NamedTuple):

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.engine.extremes import state_maxima, state_ranges
 from nonsmooth.engine.sweeps import REPEATS, primitive_periods, scales
 
 __all__ = [
@@ -65,13 +66,13 @@ def settled_periods(
     without them
     """
     scale = scales(points, drifting) if scale is None else scale
-    largest = np.abs(points - np.where(drifting, points[:, :1], 0.0)).max(axis=1)
+    sizes = state_maxima(np.abs(points - np.where(drifting, points[:, :1], 0.0)))
     if natural is not None:
-        largest = np.where(drifting, largest, np.maximum(largest, natural))
+        sizes = np.where(drifting, sizes, np.maximum(sizes, natural))
     periods = primitive_periods(points, drifting, match, scale)
     for p in np.unique(periods[periods > 1]).tolist():
         which = np.flatnonzero(periods == p)
-        left = _way_left(points[which], drifting, scale[which], largest[which], match, p)
+        left = _way_left(points[which], drifting, scale[which], sizes[which], match, p)
         for r in _next_divisors(p):
             apart = _changes(points[which], drifting, scale[which], r)[:, -p:].max(axis=(1, 2))
             periods[which[~(apart > _APART * np.maximum(left, match))]] = 0
@@ -115,7 +116,7 @@ def _largest_changes(relative: Floats, drifting: npt.NDArray[np.bool_], p: int) 
     """Largest change of each state over p steps, of a drifting one from its first change."""
     change = relative[:, p:] - relative[:, :-p]
     change = np.where(drifting, change - change[:, :1], change)
-    return np.asarray(np.abs(change).max(axis=1))
+    return np.asarray(state_maxima(np.abs(change)))
 
 
 def _changes(points: Floats, drifting: npt.NDArray[np.bool_], scale: Floats, p: int) -> Floats:
@@ -133,7 +134,7 @@ def _way_left(
     points: Floats,
     drifting: npt.NDArray[np.bool_],
     scale: Floats,
-    largest: Floats,
+    sizes: Floats,
     match: float,
     p: int,
 ) -> Floats:
@@ -143,8 +144,8 @@ def _way_left(
     below ``match`` that lead nowhere.
     """
     change = _changes(points, drifting, scale, p)
-    rounding = _ROUNDING * largest / np.where(scale > 0.0, scale, 1.0)
-    left = change[:, -p:].max(axis=1)
+    rounding = _ROUNDING * sizes / np.where(scale > 0.0, scale, 1.0)
+    left = state_maxima(change[:, -p:])
     is_rounding = np.all(left <= np.maximum(rounding, match * match), axis=1)
     span = _span_of_noise(points, drifting, scale, rounding, p)
     change = np.where(change > rounding[:, None], change, 0.0)
@@ -171,7 +172,7 @@ def _span_of_noise(
     periods = own[:, -count * p :].reshape(len(own), count, p, -1)
     half = (count + 1) // 2
     whole, first, last = (
-        np.ptp(part, axis=1).max(axis=1)
+        state_maxima(np.ptp(part, axis=1))
         for part in (periods, periods[:, :half], periods[:, -half:])
     )
     travels = whole > _TRAVELS * np.maximum(np.maximum(first, last), rounding)
@@ -186,7 +187,7 @@ def _contraction(change: Floats, p: int) -> Floats:
     that dies away first would hide a slow one, so the second half of the record is asked again, and
     the slower contraction counts.
     """
-    own = change.max(axis=1, keepdims=True)
+    own = state_maxima(change)[:, None]
     size = np.maximum(own, _SLIGHT * own.max(axis=2, keepdims=True))
     change = np.linalg.norm(change / np.where(size > 0.0, size, 1.0), axis=2)
     count = change.shape[1]

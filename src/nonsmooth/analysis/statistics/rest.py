@@ -13,6 +13,8 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.engine.extremes import state_ranges
+
 __all__ = ["comes_to_rest", "floor_of", "halves", "natural_sizes", "way_left"]
 
 Bools = npt.NDArray[np.bool_]
@@ -60,7 +62,7 @@ def halves(points: Floats, floor: Floats) -> Bools:
     shapes: points (M, K, k), floor (k,) or (M, k); returns (M, k)
     """
     middle = points.shape[1] // 2
-    before, now = (np.ptp(part, axis=1) for part in (points[:, : middle + 1], points[:, middle:]))
+    before, now = (state_ranges(part) for part in (points[:, : middle + 1], points[:, middle:]))
     return np.asarray(now <= np.maximum(_HALF * before, floor))
 
 

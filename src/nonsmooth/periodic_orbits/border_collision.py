@@ -1,0 +1,77 @@
+"""A leg of an orbit lies on a surface all along, and goes to the other side of it: its border.
+
+So it is where a state that only resets change says on which side the motion is, as in a map that
+is defined piece by piece: between two instants of a clock it stays where it is. The orbit goes on
+with the field and the resets of the other side, or turns back there if its continuation exists on
+the side that it comes from. See M. di Bernardo, C. Budd, A. Champneys and P. Kowalczyk,
+Piecewise-smooth Dynamical Systems, 2008, chapter 3.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nonsmooth.engine.tables import DERIVATIVES, Wiring
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
+from nonsmooth.periodic_orbits.guess import Guess
+from nonsmooth.periodic_orbits.onto import targets_of_cell
+from nonsmooth.periodic_orbits.wall_at_surface import through_wall
+from nonsmooth.periodic_orbits.word import Word, shortest_paths
+
+__all__ = ["beyond_border"]
+
+_ON_SURFACE = 1e-9  # of the terms of a guard along the orbit: it is zero
+_PLACES = np.array([0.0, 0.5, 1.0])  # of a leg
+
+
+def beyond_border(
+    equations: OrbitEquations, turn: Turn, k: int, g: int
+) -> list[tuple[Guess, str]]:  # fmt: skip
+    """Leg k, on the surface of guard g from its begin to its end, is one beyond the surface.
+
+    The orbits begun with, and the test that grows with each.
+    """
+    word, wiring = equations.word, equations.legs.tables.wiring
+    # a leg that the section cuts is the first one and the last one
+    parts = [k] if k or word.closes_at_event else [0, len(word) - 1]
+    mode, before = word.modes[k], (parts[-1] - 1) % len(word)
+    beyond = int(wiring.exits["target"][mode, g])
+    if beyond < 0 or wiring.resets(mode, g) or not (word.paths[k] and word.paths[before]):
+        return []
+    back = targets_of_cell(wiring, beyond)
+    if mode not in back or not _lies_on_surface(equations, turn, k, g):
+        return []
+    ends = equations.legs.follow(word, turn.states, turn.instants).ends.copy()
+    at_ends = Turn(ends, turn.instants[1:])
+    alone = before == k
+    after = beyond if alone else word.last_target(wiring, k)
+    modes = tuple(beyond if i in parts else m for i, m in enumerate(word.modes))
+    found = []
+    for out in through_wall(equations, beyond, after, at_ends, k):
+        entries = [out] if alone else _entries(word, wiring, before, beyond)
+        for entry in entries:
+            paths = list(word.paths)
+            paths[before], paths[k] = entry, out
+            found.append((Guess(Word(modes, tuple(paths)), turn), f"corner:{k}:{back.index(mode)}"))
+    return found
+
+
+def _entries(word: Word, wiring: Wiring, before: int, beyond: int) -> list[tuple[int, ...]]:
+    """Ways into the mode beyond the surface, by the exit that ends the leg before."""
+    first = word.paths[before][0]
+    behind = int(wiring.exits["target"][word.modes[before], first])
+    if behind == beyond:
+        return [(first,)]
+    return [(first, *rest) for rest in shortest_paths(wiring, behind, beyond)]
+
+
+def _lies_on_surface(equations: OrbitEquations, turn: Turn, k: int, g: int) -> bool:
+    """Whether a guard is zero where leg k begins, in the middle of it, and where it ends."""
+    legs, mode, (begin, end) = equations.legs, equations.word.modes[k], turn.instants[k : k + 2]
+    ends = begin + _PLACES * (end - begin)
+    open_legs = Word((mode,) * ends.size, ((),) * ends.size)
+    states = np.tile(turn.states[k], (ends.size, 1))
+    guards = legs.follow_each(open_legs, states, np.full(ends.size, begin), ends).others[:, g]
+    row = np.abs(legs.tables.affine[mode, DERIVATIVES * g])
+    terms = row[: legs.n] @ np.abs(turn.states).max(axis=0) + row[legs.n]
+    return bool(np.abs(guards).max() <= _ON_SURFACE * terms)
