@@ -50,6 +50,8 @@ Floats = npt.NDArray[np.float64]
 
 _OPENED = 1e-3  # part of the turn that a leg lasts where a branch with it begins
 _GONE = 1e-7  # part of the turn that a leg lasts which vanishes with a test of the same point
+# tests of a leg, or of the one behind it, that vanish where that leg does
+_OF_LEGS = ("leg", "rate", "short", "gain", "corner")
 _OPENED_OF_SLIDE = 4e-3  # likewise, from a surface on which motion slides
 
 
@@ -135,6 +137,9 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
 
     The legs of the equations stand for the parameters of the point.
     """
+    whole = _without_whole_excursion(equations, turn, name)
+    if whole is not None:
+        return [whole]
     name = vanishing_leg(equations, turn, name)
     kind, *numbers = name.split(":")
     if name == "leg:last":
@@ -324,6 +329,40 @@ def _without_excursion(equations: OrbitEquations, turn: Turn, k: int) -> list[Ch
     return [Change(kind, Guess(new, Turn(turn.states[keep], instants)), grows)]
 
 
+def _without_whole_excursion(equations: OrbitEquations, turn: Turn, name: str) -> Change | None:
+    """Several legs in a row last no time, and what comes behind goes on as what was before them.
+
+    So it is where a contact that may only push is grazed: it pushes first, and lets go before its
+    body has left.
+    """
+    kind, *numbers = name.split(":")
+    if kind not in _OF_LEGS or not numbers or numbers[0] == "last":
+        return None
+    word, count, k = equations.word, len(equations.word), int(numbers[0])
+    short = turn.durations <= _GONE * float(turn.instants[-1] - turn.instants[0])
+    first = k if short[k] else (k + 1) % count
+    if not short[first] or np.count_nonzero(short) > count - 2:
+        return None
+    while short[first - 1]:
+        first = (first - 1) % count
+    if word.closes_at_event:
+        short = np.roll(short, 1 - first)
+        (word, turn), first = _begun_at_leg(word, turn, first - 1), 1
+    last = first + int(np.argmin(short[first:]))  # the leg behind them
+    legs = range(first, last)
+    wiring = equations.legs.tables.wiring
+    resets = any(wiring.resets(word.modes[i], e) for i in legs for e in word.paths[i][:1])
+    if first == 0 or len(legs) < 2 or resets or word.modes[last] != word.modes[first - 1]:
+        return None
+    gone = [*legs, last]
+    keep = [i for i in range(count) if i not in gone]
+    paths = (*word.paths[: first - 1], *word.paths[last:])
+    new = Word(tuple(word.modes[i] for i in keep), paths)
+    there = Turn(turn.states[keep], np.delete(turn.instants, gone))
+    grows = f"graze:{first - 1}:{word.paths[first - 1][0]}"
+    return Change("grazing", Guess(new, there), grows)
+
+
 def _past_corner(
     equations: OrbitEquations, turn: Turn, k: int, path: tuple[int, ...]
 ) -> Change:  # fmt: skip
@@ -379,11 +418,15 @@ def _away_from_ends(equations: OrbitEquations, turn: Turn, k: int) -> tuple[Word
     if not word.closes_at_event or 0 < k < count - 1 or count < 2:
         return word, turn, k
     shift = k - 1 if count > 2 else k
-    order = [(i + shift) % count for i in range(count)]
+    return *_begun_at_leg(word, turn, shift), k - shift
+
+
+def _begun_at_leg(word: Word, turn: Turn, k: int) -> tuple[Word, Turn]:
+    """The same turn of a word that closes at an event, begun with leg k."""
+    order = [(i + k) % len(word) for i in range(len(word))]
     new = Word(tuple(word.modes[i] for i in order), tuple(word.paths[i] for i in order))
-    durations = turn.durations[order]
-    instants = np.concatenate([[0.0], np.cumsum(durations)])
-    return new, Turn(turn.states[order], instants), k - shift
+    instants = np.concatenate([[0.0], np.cumsum(turn.durations[order])])
+    return new, Turn(turn.states[order], instants)
 
 
 def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.engine.extremes import state_maxima, state_ranges
+from nonsmooth.engine.extremes import state_maxima
 from nonsmooth.engine.sweeps import REPEATS, primitive_periods, scales
 
 __all__ = [
