@@ -43,10 +43,9 @@ _BEYOND = 1e-6  # of a test of the word that is negative at a start, more than r
 _SHORTER = (1.0, 0.1, 0.02)  # parts of the first duration of an excursion
 _BEFORE = 2.0  # times the way to a graze, from which on it is located
 _FARTHEST = 1e3  # times the step that tells how a test grows
-_FIRST = 0.2  # part of the first step by which a new word is tried
-_LEAST = (
-    1e-2  # part of that: shorter steps only succeed where legs that last no time solve anything
-)
+_FIRSTS = (0.2, 0.02)  # parts of the first step by which a new word is tried
+# part of the first step: shorter ones only succeed where legs that last no time solve anything
+_LEAST = 2e-3
 
 
 def tangent_at(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, float]:
@@ -178,10 +177,18 @@ def _way(
 
 
 def goes_on(stretch: BranchStretch, start: BranchStart) -> bool:
-    """Whether the first orbits of a new stretch are motions; they tell its way too."""
+    """Whether the first orbits of a new stretch are motions; they tell its way too.
+
+    The word may change again after less than a first step, so shorter ones are tried.
+    """
+    return any(_goes_on(stretch, start, part) for part in _FIRSTS)
+
+
+def _goes_on(stretch: BranchStretch, start: BranchStart, part: float) -> bool:
+    """The same with steps of some part of the first one of a branch."""
     trial = BranchStretch(stretch.options, stretch.legs, start.equations, start.grows)
-    step = _FIRST * stretch.options.step
-    least = max(stretch.options.smallest_step, _LEAST * step)
+    step = part * stretch.options.step
+    least = max(stretch.options.smallest_step, _LEAST * stretch.options.step)
     trial.set_parameter(start.value)
     try:
         branch = follow(

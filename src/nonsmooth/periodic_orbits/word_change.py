@@ -151,7 +151,7 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
         before = (k - 1) % len(equations.word)
         too_long = len(equations.word.paths[before] + equations.word.paths[k]) > PATH_LENGTH
         first = [] if too_long else [_without_leg(equations, turn, k)]
-        first = _in_other_order(equations, turn, k) + first
+        first = _in_other_order(equations, turn, k) + _by_other_side(equations, turn, k) + first
         return first + _at_walls(wall_before_surface(equations, turn, k))
     if kind == "gain":
         return [_with_leg_of_path(equations, turn, k, int(numbers[1]))]
@@ -269,6 +269,35 @@ def _in_other_order(equations: OrbitEquations, turn: Turn, k: int) -> list[Chang
     if np.any(np.abs(behind - before) > _GONE * sizes):
         return []
     return [Change("section", Guess(new, Turn(states, turn.instants)), f"leg:{k}")]
+
+
+def _by_other_side(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
+    """Two surfaces are crossed at once, as leg k between them lasts no time: in the other order.
+
+    Behind the first one the orbit is in another cell then.
+    """
+    word, turn, k = _away_from_ends(equations, turn, k)
+    wiring = equations.legs.tables.wiring
+    if not 0 < k < len(word) - 1:
+        return []
+    before, behind, (first, second) = (
+        word.modes[k - 1],
+        word.modes[k + 1],
+        word.paths[k - 1 : k + 1],
+    )
+    crossed = ((before, first), (word.modes[k], second))
+    if any(len(path) != 1 or wiring.resets(mode, path[0]) for mode, path in crossed):
+        return []
+    found = []
+    for out, middle in enumerate(targets_of_cell(wiring, before)):
+        if middle in (before, word.modes[k], behind, -1) or wiring.resets(before, out):
+            continue
+        for on, there in enumerate(targets_of_cell(wiring, middle)):
+            if there == behind and not wiring.resets(middle, on):
+                modes = (*word.modes[:k], middle, *word.modes[k + 1 :])
+                paths = (*word.paths[: k - 1], (out,), (on,), *word.paths[k + 1 :])
+                found.append(Change("corner", Guess(Word(modes, paths), turn), f"leg:{k}"))
+    return found
 
 
 def _entry_test(wiring: Wiring, place: int, mode: int, path: tuple[int, ...], beyond: int) -> str:
