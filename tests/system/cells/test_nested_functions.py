@@ -69,3 +69,57 @@ def test_too_deep(monkeypatch):
     monkeypatch.setattr("nonsmooth.system.cells.cells.MOST_MODES", 64)
     with pytest.raises(ModelError, match="more than 64 cells; write some"):
         ns.System(states=["x"], equations={"x": f"-{folded(8)}"})
+
+
+SATURATED = [
+    "abs(where(v < x, x, 0.5*v))",
+    "clip(where(v + x > 0, -2*x, -v), -1, 1)",
+    "clip(-2*sign(v + x) - x, -1, 1)",
+    "-x - abs(sign(v - 0.3)*0.4 + 0.1*x)",
+    "-x - 0.1*v + min(1, where(v < x*x, x, 2*x))",
+]
+
+
+@pytest.mark.parametrize("text", SATURATED)
+def test_a_jump_within_a_function(text):
+    """On its surface the value between the sides lies on no known side of the outer function."""
+    system = ns.System(states=["x", "v"], equations={"x": "v", "v": text})
+    assert any("0" in name for name in system.mode_names)
+
+
+def test_a_saturated_switch_slides_and_tells_its_force():
+    """Sliding on v + 2 x = 0: x decays as exp(-2 t), and v' = 4 x = -x - v + u gives u = 3 x.
+
+    The equivalent value of the sign, put into clip(-3 sign - x/2), would give 4 x.
+    """
+    system = ns.System(
+        states=["x", "v"],
+        equations={"x": "v", "v": "-x - v + u"},
+        definitions={"u": "clip(-3*sign(v + 2*x) - 0.5*x, -2, 2)"},
+        outputs={"force": "u", "power": "u*u"},
+    )
+    run = ns.simulate(system, {"x": 0.4, "v": -0.2}, times=[0.0, 0.5, 1.0, 2.0])
+    x, late = run["x"].values, slice(1, None)
+    assert x[late] == pytest.approx(x[1] * np.exp([0.0, -1.0, -3.0]), rel=1e-12)
+    assert run["force"].values[late] == pytest.approx(3.0 * x[late], rel=1e-12)
+    # its square is 4 on either side, and so on the average
+    assert run["power"].values[late] == pytest.approx([4.0] * 3, rel=1e-12)
+
+
+@pytest.mark.parametrize(("pull", "rest"), [(1.9, 0.0), (2.1, 0.05)])
+def test_two_saturated_switches_hold_as_far_as_their_sides_allow(pull, rest):
+    """x = 0 needs u = 0, and so y is held against a pull of 2: beyond it rests at (pull - 2)/2.
+
+    Cells that come no nearer to x = y = 0 than |x| = 4 have no part in that.
+    """
+    system = ns.System(
+        states=["x", "y"],
+        parameters={"pull": pull},
+        equations={"x": "-x + u", "y": "-2*y + 0.3*u - 2*sign(y) + pull"},
+        definitions={"u": "clip(-3*sign(x) - 3*sign(y) - 0.5*x, -2, 2)"},
+        outputs={"U": "u"},
+    )
+    run = ns.simulate(system, {"x": 0.4, "y": 0.3}, times=[0.0, 20.0, 30.0])
+    assert run["x"].values[1:] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert run["U"].values[1:] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert run["y"].values[1:] == pytest.approx([rest, rest], abs=1e-12)

@@ -17,7 +17,7 @@ from nonsmooth.system.algebra.identities import simplified, substituted, vanishe
 from nonsmooth.system.algebra.points import put_on
 from nonsmooth.system.algebra.rational import quotient, signed_sum
 from nonsmooth.system.cells.cells import Cell, SplitMode
-from nonsmooth.system.cells.sliding import Slide, attract, cell_on, solved_for
+from nonsmooth.system.cells.sliding import Slide, attract, cell_on, have_place, sides_on, solved_for
 from nonsmooth.system.equations.switching import SurfaceKey
 from nonsmooth.system.text.expressions import Expression
 
@@ -88,6 +88,8 @@ def _meeting(
         a, b, c, e = found
         return a, b, c, e
 
+    if not have_place([sides_on(graph, cell, nodes, on_both) for cell in corners]):
+        return None
     around = [[on_both(rate_of_change(graph, node, side.rate)) for side in sides] for node in nodes]
     if not all(attract(graph, mode, nodes, rates_around) for rates_around in around):
         return None

@@ -13,7 +13,7 @@ algorithm P. Piiroinen and Y. Kuznetsov, An event-driven method to simulate Fili
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -33,7 +33,12 @@ from nonsmooth.system.equations.resolve import Resolver
 from nonsmooth.system.equations.switching import SurfaceKey, SwitchingSurface, switching_function
 from nonsmooth.system.text.expressions import ZERO, Expression, Number, negate
 
-__all__ = ["Slide", "attract", "between", "cell_on", "related", "slides_of", "solved_for"]
+__all__ = [
+    "Slide", "attract", "between", "cell_on", "have_place", "related", "sides_on", "slides_of",
+    "solved_for",
+]  # fmt: skip
+
+Sides = dict[Hashable, float]  # of surfaces, by what stands for them
 
 _SURE = 1e-9  # of the numbers in a function, what it must be away from zero to be told from it
 _SAME = 1e-12  # in which ratios of factors agree that are the same for all parameters
@@ -57,7 +62,10 @@ class Slide:
 
     def resolver(self, graph: Graph, equations: ModeEquations) -> Resolver:
         """Nodes of equations on the surfaces."""
-        return Resolver(graph, equations, self.cell.signs, controls=self.controls, rates=self.rates)
+        return Resolver(
+            graph, equations, self.cell.signs, controls=self.controls, rates=self.rates,
+            on_surface=self.relations,
+        )  # fmt: skip
 
     def equations(self, mode: SplitMode) -> ModeEquations:
         """Equations of the mode with states that follow from the surfaces."""
@@ -100,7 +108,7 @@ class _Faces:
         self.relations = solved_for(graph, mode.equations, [node])
         self.points = put_on(graph, [node], self.relations)
         self._rates: dict[int, Expression] = {}
-        self._sides: dict[int, dict[Hashable, float] | None] = {}
+        self._sides: dict[int, Sides | None] = {}
 
     def points_of(self, width: Expression) -> Points | None:
         """Points of the surface where the difference of two rates does not vanish; None for none.
@@ -117,46 +125,13 @@ class _Faces:
         return None
 
     def meet(self, a: Cell, b: Cell) -> bool:
-        """Whether two cells beside the surface may have a place on it in common.
+        """Whether two cells beside the surface may have a place on it in common."""
+        return have_place([self._sides_of(a), self._sides_of(b)])
 
-        One may come no nearer to it than some distance, as ``x < -1`` to ``x = 0``, or the other
-        surfaces become one there and the cells lie on different sides of it. Then a jump between
-        their rates is none that a motion meets.
-        """
-        ours, theirs = self._sides_of(a), self._sides_of(b)
-        if ours is None or theirs is None:
-            return False
-        return all(theirs.get(place, sign) == sign for place, sign in ours.items())
-
-    def _sides_of(self, cell: Cell) -> dict[Hashable, float] | None:
-        """On which side of its other surfaces, on this one, a cell lies; None where it is empty."""
+    def _sides_of(self, cell: Cell) -> Sides | None:
         if id(cell) not in self._sides:
-            self._sides[id(cell)] = self._new_sides(cell)
+            self._sides[id(cell)] = sides_on(self.graph, cell, [self.node], self.on_surface)
         return self._sides[id(cell)]
-
-    def _new_sides(self, cell: Cell) -> dict[Hashable, float] | None:
-        found: dict[Hashable, float] = {}
-        for surface in cell.surfaces:
-            if surface.node is self.node:
-                continue
-            switch = switching_function(self.graph, self.on_surface(surface.node))
-            sign = switch.sign * cell.signs[surface.key]
-            if switch.surface is not None:
-                place: Hashable = switch.surface.key
-            elif isinstance(switch.constant, Number):
-                if switch.constant.value * sign < -_SURE * self._largest_number(surface.node):
-                    return None
-                continue
-            else:
-                place = switch.constant
-            if found.setdefault(place, sign) != sign:
-                return None
-        return found
-
-    def _largest_number(self, node: Expression) -> float:
-        """Largest number in a switching function and in that of the surface."""
-        terms = [*monomials(node).values(), *monomials(self.node).values()]
-        return max(abs(number) for number in terms)
 
     def on_surface(self, node: Expression) -> Expression:
         """An expression with the states that follow from the surface."""
@@ -168,6 +143,48 @@ class _Faces:
             rate = self.mode.resolver(cell.signs).rate
             self._rates[id(cell)] = self.on_surface(rate_of_change(self.graph, self.node, rate))
         return self._rates[id(cell)]
+
+
+def sides_on(
+    graph: Graph, cell: Cell, nodes: Sequence[Expression],
+    on_surface: Callable[[Expression], Expression],
+) -> Sides | None:  # fmt: skip
+    """On which side of its other surfaces a cell lies where some are zero; None where it is not.
+
+    One may come no nearer than some distance, as ``x < -1`` to ``x = 0``.
+    """
+    numbers = [number for node in nodes for number in monomials(node).values()]
+    found: Sides = {}
+    for surface in cell.surfaces:
+        if any(surface.node is node for node in nodes):
+            continue
+        switch = switching_function(graph, on_surface(surface.node))
+        sign = switch.sign * cell.signs[surface.key]
+        if switch.surface is not None:
+            place: Hashable = switch.surface.key
+        elif isinstance(switch.constant, Number):
+            largest = max(map(abs, [*monomials(surface.node).values(), *numbers]))
+            if switch.constant.value * sign < -_SURE * largest:
+                return None
+            continue
+        else:
+            place = switch.constant
+        if found.setdefault(place, sign) != sign:
+            return None
+    return found
+
+
+def have_place(sides: Sequence[Sides | None]) -> bool:
+    """Whether cells may have a place in common, by their `sides_on` the surfaces between them.
+
+    Other surfaces may become one there, and the cells lie on different sides of it. Then a jump
+    between their rates is none that a motion meets.
+    """
+    together: Sides = {}
+    for each in sides:
+        if each is None or any(together.setdefault(k, sign) != sign for k, sign in each.items()):
+            return False
+    return True
 
 
 def _slide(faces: _Faces, key: SurfaceKey, a: Cell, b: Cell) -> Slide | None:

@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 
 from nonsmooth.errors import ModelError
 from nonsmooth.system.algebra.differentiate import rate_of_change
 from nonsmooth.system.algebra.graph import Graph
+from nonsmooth.system.algebra.identities import substituted, vanishes
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.equations.mode_equations import ExitEquations, ModeEquations
 from nonsmooth.system.equations.slaved import Relations, implicit_rates, read_relations
@@ -34,7 +35,7 @@ class Resolver:
     raises `Undecided`, or its call is kept where the resolver is not ``strict``. On a surface,
     sign 0, calls that jump there take what lies between their sides by ``controls``: the
     equivalent value of the sign, from -1 to 1. ``rates`` are known beforehand, whatever the
-    texts of the flow say.
+    texts of the flow say; ``on_surface`` are states that follow from the surface.
     """
 
     def __init__(
@@ -46,6 +47,7 @@ class Resolver:
         strict: bool = True,
         controls: Mapping[SurfaceKey, Expression] | None = None,
         rates: Mapping[str, Expression] | None = None,
+        on_surface: Mapping[str, Expression] | None = None,
     ) -> None:
         self.graph = graph
         self.equations = equations
@@ -53,6 +55,7 @@ class Resolver:
         self.strict = strict
         self.controls = controls or {}
         self.rates = rates or {}
+        self.on_surface = on_surface or {}
         self.met_piecewise = False
         self._known: dict[int, tuple[Expression, Expression]] = {}  # parts of texts, and nodes
         self._named: dict[str, Expression] = {}
@@ -61,16 +64,54 @@ class Resolver:
         self._implicit_rates: dict[str, Expression] | None = None
 
     def tree(self, equation: Equation) -> Expression:
-        """Node of an equation."""
-        return self._tree(equation.tree)
+        """Node of an equation.
+
+        Motion on a surface chatters between both sides, as a limit. What a text means there is the
+        mean over these, as of the rates. That is what it is for the equivalent value of the sign
+        where the sign stands in it linearly; not within a ``clip``, or a square.
+        """
+        if not self.controls:
+            return self._tree(equation.tree)
+        above, below = (side.tree(equation) for side in self._beside)
+        mean = above
+        if above is not below:
+            mean = self._mean(above, below, next(iter(self.controls.values())))
+        try:
+            own = self._tree(equation.tree)
+        except Undecided:  # the equivalent value lies on no known side of another surface
+            return mean
+        apart = self.graph.add(own, self.graph.negate(mean))
+        if not self.on_surface or vanishes([substituted(self.graph, apart, self.on_surface)]):
+            return own
+        return mean
+
+    @cached_property
+    def _beside(self) -> tuple[Resolver, Resolver]:
+        """The same on both sides of the first surface on which the mode lies."""
+        first, *others = self.controls
+        above, below = (
+            Resolver(
+                self.graph,
+                self.equations,
+                {**self.signs, first: sign},
+                strict=self.strict,
+                controls={key: self.controls[key] for key in others},
+                rates=self.rates,
+                on_surface=self.on_surface,
+            )
+            for sign in (1, -1)
+        )
+        return above, below
 
     def resolved(self, exits: tuple[ExitEquations, ...] | None = None) -> ModeEquations:
         """Equations of the mode with nodes for trees, with its own exits or with others."""
-        rates = {state: self.rate(state) for state in self.equations.flow}
-        read = self.equations if exits is None else replace(self.equations, exits=exits)
-        found = read.with_trees(self.tree)
-        flow = {state: replace(e, tree=rates[state]) for state, e in found.flow.items()}
-        return replace(found, flow=flow)
+        flow = {
+            state: replace(e, tree=self.rate(state)) for state, e in self.equations.flow.items()
+        }
+        exits = self.equations.exits if exits is None else exits
+        return replace(
+            replace(self.equations, flow={}, exits=exits).with_trees(self.tree), flow=flow
+        )
 
     def lenient(self) -> Resolver:
         """The same for reading: calls of surfaces without a sign are kept."""
@@ -81,6 +122,7 @@ class Resolver:
             strict=False,
             controls=self.controls,
             rates=self.rates,
+            on_surface=self.on_surface,
         )
 
     def rate(self, state: str) -> Expression:
@@ -269,7 +311,6 @@ class Resolver:
         graph = self.graph
         if not jumps or above is below or switch.surface is None:
             return above if graph.moves(below) else below
-        half = graph.number(0.5)
         control = self.controls[switch.surface.key]
         if switch.sign < 0.0:
             control = graph.negate(control)
@@ -277,9 +318,13 @@ class Resolver:
         if len(numbers) == 2:
             mean, step = 0.5 * (numbers[0] + numbers[1]), 0.5 * (numbers[0] - numbers[1])
             return graph.add(graph.number(mean), graph.multiply(graph.number(step), control))
-        mean_node = graph.multiply(half, graph.add(above, below))
-        step_node = graph.multiply(half, graph.add(above, graph.negate(below)))
-        return graph.add(mean_node, graph.multiply(step_node, control))
+        return self._mean(above, below, control)
+
+    def _mean(self, above: Expression, below: Expression, control: Expression) -> Expression:
+        graph, half = self.graph, self.graph.number(0.5)
+        mean = graph.multiply(half, graph.add(above, below))
+        step = graph.multiply(half, graph.add(above, graph.negate(below)))
+        return graph.add(mean, graph.multiply(step, control))
 
     def _selected(self, condition: Expression, yes: _Lazy, no: _Lazy) -> Expression:
         """Selection by a condition on parameters: the two sides weighted by one and zero."""
