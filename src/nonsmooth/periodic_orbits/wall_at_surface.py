@@ -3,7 +3,8 @@
 On one side of such an orbit it leaves the surface, and flies into the wall after a short leg; on
 the other side the surface still holds it where it meets the wall. Likewise it comes onto the
 surface for a short leg before the wall, or meets the wall first. The wall is an exit of either
-mode, with a number of its own and its own way on.
+mode, with a number of its own and its own way on; it may be the tick of a clock. The exit to the
+other mode may reset what it finds there already, as a current that is zero when a diode blocks.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ __all__ = ["surface_before_wall", "through_wall", "wall_before_surface"]
 
 Path = tuple[int, ...]
 
+_SAME = 1e-9  # of the size of a state: it is not changed
+
 
 def wall_before_surface(
     equations: OrbitEquations, turn: Turn, k: int
@@ -32,13 +35,16 @@ def wall_before_surface(
     before = (k - 1) % count
     mode, path = word.modes[before], word.paths[before]
     at_wall = bool(word.paths[k]) and wiring.resets(word.modes[k], word.paths[k][0])
-    if count < 2 or not path or not at_wall or wiring.resets(mode, path[0]):
+    if count < 2 or not path or not at_wall:
+        return []
+    if wiring.resets(mode, path[0]) and not _changes_nothing(equations, turn, before, path[:1]):
         return []
     keep = [i for i in range(count) if i != k]
     place = keep.index(before)
     instants = np.delete(turn.instants, k if k else 1)
     found = []
-    for straight in through_wall(equations, mode, word.last_target(wiring, k), turn, k):
+    after = word.last_target(wiring, k)
+    for straight in through_wall(equations, mode, after, turn, k, without=path[0]):
         paths = [word.paths[i] if i != before else straight for i in keep]
         new = Word(tuple(word.modes[i] for i in keep), tuple(paths))
         found.append((Guess(new, Turn(turn.states[keep], instants)), f"corner:{place}:{path[0]}"))
@@ -56,7 +62,9 @@ def surface_before_wall(
     mode = word.modes[k]
     at_wall = bool(word.paths[k]) and wiring.resets(mode, word.paths[k][0])
     beyond = int(wiring.exits["target"][mode, g])
-    if not at_wall or beyond < 0 or wiring.resets(mode, g):
+    if not at_wall or beyond < 0:
+        return []
+    if wiring.resets(mode, g) and not _changes_nothing(equations, turn, k, (g,)):
         return []
     onto = onto_beyond(wiring, mode, g)
     ways: list[tuple[Path, int]] = [((g,), beyond)]
@@ -74,12 +82,26 @@ def surface_before_wall(
     return found
 
 
+def _changes_nothing(equations: OrbitEquations, turn: Turn, k: int, path: Path) -> bool:
+    """Whether the reset of an exit leaves the state as it is where leg k ends."""
+    word = Word(equations.word.modes[k : k + 1], (path,))
+    found = equations.legs.follow_each(
+        word, turn.states[k : k + 1], turn.instants[k : k + 1], turn.instants[k + 1 : k + 2]
+    )
+    change = np.abs(found.nexts[0] - found.ends[0])
+    return bool(np.all(change <= _SAME * np.abs(turn.states).max(axis=0)))
+
+
 def through_wall(
-    equations: OrbitEquations, mode: int, after: int, turn: Turn, k: int
+    equations: OrbitEquations, mode: int, after: int, turn: Turn, k: int, without: int = -1
 ) -> list[Path]:  # fmt: skip
-    """Ways from a mode to another one by the wall that is met where leg k begins."""
+    """Ways from a mode to another one by the wall that is met where leg k begins.
+
+    It is another exit than the one to do ``without``, whose guard is zero there too.
+    """
     wiring = equations.legs.tables.wiring
-    walls = [e for e in range(int(wiring.modes["n_exits"][mode])) if wiring.resets(mode, e)]
+    exits = range(int(wiring.modes["n_exits"][mode]))
+    walls = [e for e in exits if e != without and wiring.resets(mode, e)]
     if not walls:
         return []
     at = turn.instants[k : k + 1]
