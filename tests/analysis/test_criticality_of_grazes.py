@@ -431,3 +431,22 @@ def test_a_kick_along_the_motion_leaves_no_root():
     found = ns.criticality(branch, "grazing").isel(special=0)
     assert found["criticality"].item() == "not decided"
     assert "along the motion" in found["criticality_detail"].item()
+
+
+def test_a_guard_of_time_alone_has_no_criticality():
+    """A ball that rests on a shaken table leaves it from A w**2 = g on, whatever its state."""
+    table = ns.Exit(
+        "y - A*sin(w*t)", reset={"v": "-r*v + (1 + r)*A*w*cos(w*t)"}, sticks="low", name="low"
+    )
+    system = ns.System(
+        states=["y", "v"],
+        parameters={"A": 0.08, "w": 10.0, "r": 0.6, "g": 9.81},
+        period="2*pi/w",
+        modes={"air": ns.Mode({"y": "v", "v": "-g"}, exits=[table])},
+    )
+    branch = ns.continue_orbit(system, "w", (10.0, 11.2), steps=60)
+    place = branch["special_kind"].values.tolist().index("grazing")
+    assert branch["special_value"].values[place] == pytest.approx((9.81 / 0.08) ** 0.5, rel=1e-11)
+    found = ns.criticality(branch)
+    assert found["criticality"].values.tolist() == ["not decided"]
+    assert "depends on time alone" in found["criticality_detail"].item()

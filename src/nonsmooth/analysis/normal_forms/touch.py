@@ -166,6 +166,10 @@ def _contact(near: WordMap, leg: int, guard: int) -> _Grazed:
         return _pass(near, mode, (guard,), start, begin, time + later).rate
 
     row = _pass(near, mode, (guard,), start, begin, time).row
+    if not np.any(row[near.moving]):
+        raise NoTouch(
+            "the guard depends on time alone, so that neighbours touch it where the orbit does"
+        )
     whole = float(turn.instants[-1] - turn.instants[0])
     # as of a guard that is touched for a while, or all along, by rounding
     least = _NONE * float(np.abs(row[near.moving]).sum()) / whole**2
