@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
+from nonsmooth.periodic_orbits import branch_change
 
 VALUES = {"c": 0.02, "k11": 2.1, "k12": 0.4, "k22": 1.0, "kc": 1.2, "F0": 0.3}
 
@@ -92,3 +93,16 @@ def test_slides_and_corners_close_to_each_other():
     first = branch.isel(point=0)
     state = np.array([float(first[name]) for name in system.states])
     assert after_a_turn(0.6, 0.21, state, float(first["length"])) == pytest.approx(state, abs=1e-9)
+
+
+def test_the_motion_beyond_is_followed_where_no_change_is_known(monkeypatch):
+    """As it is for a driven orbit: the cycle that joins the last one is found all the same."""
+    monkeypatch.setattr(branch_change, "changes_of_word", lambda *_: [])
+    system = brake(0.855, 0.5)
+    orbit = ns.find_orbit(system, transient=30)
+    branch = ns.continue_orbit(system, "mu", (0.8, 0.88), initial=orbit, direction="up")
+    assert branch.attrs["end_last"] == "bound"
+    assert "the branch goes on" in branch["special_detail"].values[0]
+    last = branch.isel(point=-1)
+    state = np.array([float(last[name]) for name in system.states])
+    assert after_a_turn(0.88, 0.5, state, float(last["length"])) == pytest.approx(state, abs=1e-9)

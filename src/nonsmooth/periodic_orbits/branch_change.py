@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +21,14 @@ from nonsmooth.periodic_orbits.branch_start import (
     nearest_behind,
     tangent_at,
 )
-from nonsmooth.periodic_orbits.branch_tests import BranchTests, Looked, largest_along, what_of
+from nonsmooth.periodic_orbits.branch_tests import (
+    BranchTests,
+    Looked,
+    broken_tests,
+    largest_along,
+    what_of,
+)
+from nonsmooth.periodic_orbits.cycle_beyond import apart_from_cycle, cycles_beyond
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.guess import Guess, driven_guess
 from nonsmooth.periodic_orbits.in_words import in_words
@@ -72,6 +80,7 @@ _MOST_TELLING = (
 _TOGETHER = 1e-6  # a test that vanishes at the same point as another one
 _SLOW = 1e-6  # speed of an impact, beside what the guard comes to in a turn
 _NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
+_NEAR_CYCLE = 0.01  # of the size of a cycle: one farther away is another one
 _SETTLED = (1e-6, 1e-5, 1e-4, 1e-3)  # of the range: where motions are let settle beyond a change
 _TURNS = 100  # in which they settle
 _BACK = 1e4  # times the step that tells how a test grows: to a change behind settled motions
@@ -252,6 +261,7 @@ def change_at(
         _by_change_of_word,
         _by_motion_beyond,
         _by_settled_motion,
+        _by_cycle_beyond,
     ):
         found = way_on(stretch, point, looked, along)
         if found is not None:
@@ -346,6 +356,53 @@ def _by_settled_motion(
             stands = replace(looked, admissibility=Admissibility(True))
             return start, part_of(stretch, stands, point, along, start.kind, start.detail)
     return None
+
+
+def _by_cycle_beyond(
+    stretch: BranchStretch, point: Point, looked: Looked, along: float
+) -> _WayOn | None:
+    """A cycle to which the motion from this one comes back beside the change, if it joins it.
+
+    The motion has not settled, so its word may be that of the orbit on the other side.
+    """
+    (low, high), way, known = stretch.options.bounds, _way(point), stretch.equations.word
+    for part in _SETTLED:
+        values = [point.p + sign * part * (high - low) for sign in (way, -way)]
+        found = [g for value in values for g in cycles_beyond(stretch, looked.turn, point.p, value)]
+        guesses = {guess.word: guess for guess in reversed(found) if guess.word != known}
+        for value, guess in product(values, guesses.values()):
+            start = _start(stretch, guess, value, replace(point, tangent_p=value - point.p))
+            if start is None or not (
+                _stands(stretch, start)
+                and _joins_cycle(stretch, start, looked, point.p)
+                and goes_on(stretch, start)
+            ):
+                continue
+            start.kind = kind_of(point.special)
+            start.detail = _detail(stretch, point.special, start, point)
+            stands = replace(looked, admissibility=Admissibility(True))
+            return start, part_of(stretch, stands, point, along, start.kind, start.detail)
+    return None
+
+
+def _stands(stretch: BranchStretch, start: BranchStart) -> bool:
+    """Whether the orbit of a start is a motion there, and behind no test of its word."""
+    stretch.set_parameter(start.value)
+    looked = BranchTests(start.equations, stretch.options.tolerance).look(start.unknowns)
+    return looked.admissibility.admissible and not broken_tests(looked)
+
+
+def _joins_cycle(stretch: BranchStretch, start: BranchStart, looked: Looked, value: float) -> bool:
+    """Whether a cycle beside a change comes to that of the change with the parameter."""
+    here = apart_from_cycle(stretch, looked.turn, value, start.equations, start.unknowns)
+    stretch.set_parameter(value + _CLOSER * (start.value - value))
+    solution = solve_orbit(start.equations, start.unknowns)
+    closer = np.inf
+    if solution.status == "completed":
+        unknowns = solution.unknowns
+        closer = apart_from_cycle(stretch, looked.turn, value, start.equations, unknowns)
+    stretch.set_parameter(start.value)
+    return here <= _NEAR_CYCLE and closer <= max(2.0 * np.sqrt(_CLOSER) * here, _NEARBY)
 
 
 def _located_behind(

@@ -102,8 +102,38 @@ def test_a_saturated_switch_slides_and_tells_its_force():
     x, late = run["x"].values, slice(1, None)
     assert x[late] == pytest.approx(x[1] * np.exp([0.0, -1.0, -3.0]), rel=1e-12)
     assert run["force"].values[late] == pytest.approx(3.0 * x[late], rel=1e-12)
-    # its square is 4 on either side, and so on the average
-    assert run["power"].values[late] == pytest.approx([4.0] * 3, rel=1e-12)
+    # a function of the force that stands in no equation of motion is one of that force
+    assert run["power"].values[late] == pytest.approx(9.0 * x[late] ** 2, rel=1e-12)
+
+
+def test_functions_of_a_friction_force_that_holds():
+    """Where a mass sticks to a belt, the size of the force is that of the spring."""
+    system = ns.System(
+        states=["x", "v"],
+        parameters={"v_b": 0.3},
+        equations={"x": "v", "v": "-x + friction"},
+        definitions={"friction": "-0.4*sign(slip)"},
+        outputs={"force": "friction", "size": "abs(friction)", "square": "friction**2"},
+        surfaces={"slip": ns.Surface("v - v_b", below="lag", on="stick", above="lead", hold="1.5")},
+    )
+    run = ns.simulate(system, {"x": -0.5, "v": 0.3}, times=np.linspace(0.0, 3.0, 31), mode="stick")
+    assert set(run["mode"].values) == {system.mode_names.index("stick")}
+    assert run["force"].values == pytest.approx(run["x"].values, abs=1e-12)
+    assert run["size"].values == pytest.approx(np.abs(run["x"].values), abs=1e-12)
+    assert run["square"].values == pytest.approx(run["x"].values ** 2, abs=1e-12)
+
+
+def test_a_rate_with_the_square_of_a_jump():
+    """x' = -sign(x) + sign(x)**2 - 3/4 slides at x = 0, where its mean is zero and the square 1."""
+    system = ns.System(
+        states=["x"],
+        equations={"x": "-sign(x) + sign(x)**2 - 0.75"},
+        outputs={"pull": "-sign(x)", "square": "sign(x)**2"},
+    )
+    run = ns.simulate(system, {"x": 0.0}, times=[0.0, 1.0])
+    assert run["x"].values.tolist() == [0.0, 0.0]
+    assert run["square"].values == pytest.approx([1.0, 1.0])
+    assert run["pull"].values == pytest.approx([-0.25, -0.25])
 
 
 @pytest.mark.parametrize(("pull", "rest"), [(1.9, 0.0), (2.1, 0.05)])

@@ -210,7 +210,7 @@ class _Maker:
         """Nodes of the cell; its exits are made here."""
         if self.slide is None:
             return self.mode.resolver(self.cell.signs)
-        return self.slide.resolver(self.graph, self.slide.equations(self.mode))
+        return self.slide.resolver(self.graph, self.mode)
 
     # ------------------------------------------------------------ through and off surfaces
 
@@ -269,7 +269,7 @@ class _Maker:
         if cell.on:
             home = self.families[self.family.declared]
             slide = home.slides[id(cell)]
-            return slide.resolver(self.graph, slide.equations(free))
+            return slide.resolver(self.graph, free)
         return free.resolver(cell.signs)
 
     @property

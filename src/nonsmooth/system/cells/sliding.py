@@ -29,7 +29,7 @@ from nonsmooth.system.cells.attraction import may_attract
 from nonsmooth.system.cells.cells import Cell, Signs, SplitMode, shown
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.equations.mode_equations import ModeEquations
-from nonsmooth.system.equations.resolve import Resolver
+from nonsmooth.system.equations.resolve import Resolver, calls_of_motion
 from nonsmooth.system.equations.switching import SurfaceKey, SwitchingSurface, switching_function
 from nonsmooth.system.text.expressions import ZERO, Expression, Number, negate
 
@@ -60,11 +60,11 @@ class Slide:
     guards: Mapping[tuple[SurfaceKey, int], Expression] = field(default_factory=dict)
     attracting: bool = True
 
-    def resolver(self, graph: Graph, equations: ModeEquations) -> Resolver:
-        """Nodes of equations on the surfaces."""
+    def resolver(self, graph: Graph, mode: SplitMode) -> Resolver:
+        """Nodes of the equations of a mode on the surfaces."""
         return Resolver(
-            graph, equations, self.cell.signs, controls=self.controls, rates=self.rates,
-            on_surface=self.relations,
+            graph, self.equations(mode), self.cell.signs, controls=self.controls, rates=self.rates,
+            on_surface=self.relations, motion=calls_of_motion(mode.equations),
         )  # fmt: skip
 
     def equations(self, mode: SplitMode) -> ModeEquations:

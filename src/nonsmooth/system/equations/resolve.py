@@ -23,9 +23,10 @@ from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.expressions import Call, Expression, Name, Number, names_in
 from nonsmooth.system.text.functions import lookup
 
-__all__ = ["Resolver"]
+__all__ = ["Resolver", "calls_of_motion"]
 
 _Lazy = Callable[[], Expression]
+_LINEAR = ("+", "neg")  # in what jumps
 
 
 class Resolver:
@@ -35,7 +36,8 @@ class Resolver:
     raises `Undecided`, or its call is kept where the resolver is not ``strict``. On a surface,
     sign 0, calls that jump there take what lies between their sides by ``controls``: the
     equivalent value of the sign, from -1 to 1. ``rates`` are known beforehand, whatever the
-    texts of the flow say; ``on_surface`` are states that follow from the surface.
+    texts of the flow say; ``on_surface`` are states that follow from the surface, and ``motion``
+    the calls that stand in the equations of motion beside it, see `calls_of_motion`.
     """
 
     def __init__(
@@ -48,6 +50,7 @@ class Resolver:
         controls: Mapping[SurfaceKey, Expression] | None = None,
         rates: Mapping[str, Expression] | None = None,
         on_surface: Mapping[str, Expression] | None = None,
+        motion: frozenset[Expression] = frozenset(),
     ) -> None:
         self.graph = graph
         self.equations = equations
@@ -56,6 +59,7 @@ class Resolver:
         self.controls = controls or {}
         self.rates = rates or {}
         self.on_surface = on_surface or {}
+        self.motion = motion
         self.met_piecewise = False
         self._known: dict[int, tuple[Expression, Expression]] = {}  # parts of texts, and nodes
         self._named: dict[str, Expression] = {}
@@ -64,26 +68,8 @@ class Resolver:
         self._implicit_rates: dict[str, Expression] | None = None
 
     def tree(self, equation: Equation) -> Expression:
-        """Node of an equation.
-
-        Motion on a surface chatters between both sides, as a limit. What a text means there is the
-        mean over these, as of the rates. That is what it is for the equivalent value of the sign
-        where the sign stands in it linearly; not within a ``clip``, or a square.
-        """
-        if not self.controls:
-            return self._tree(equation.tree)
-        above, below = (side.tree(equation) for side in self._beside)
-        mean = above
-        if above is not below:
-            mean = self._mean(above, below, next(iter(self.controls.values())))
-        try:
-            own = self._tree(equation.tree)
-        except Undecided:  # the equivalent value lies on no known side of another surface
-            return mean
-        apart = self.graph.add(own, self.graph.negate(mean))
-        if not self.on_surface or vanishes([substituted(self.graph, apart, self.on_surface)]):
-            return own
-        return mean
+        """Node of an equation."""
+        return self._tree(equation.tree)
 
     @cached_property
     def _beside(self) -> tuple[Resolver, Resolver]:
@@ -98,6 +84,7 @@ class Resolver:
                 controls={key: self.controls[key] for key in others},
                 rates=self.rates,
                 on_surface=self.on_surface,
+                motion=self.motion,
             )
             for sign in (1, -1)
         )
@@ -123,6 +110,7 @@ class Resolver:
             controls=self.controls,
             rates=self.rates,
             on_surface=self.on_surface,
+            motion=self.motion,
         )
 
     def rate(self, state: str) -> Expression:
@@ -176,8 +164,31 @@ class Resolver:
             return self.graph.number(node.value)
         known = self._known.get(id(node))
         if known is None:  # the part is kept beside its node, so that its number stays its own
-            known = self._known[id(node)] = node, self._resolved(node)
+            known = self._known[id(node)] = node, self._between_sides(node)
         return known[1]
+
+    def _between_sides(self, node: Name | Call) -> Expression:
+        """What a part of a text means on the surfaces.
+
+        Motion on a surface chatters between both sides, as a limit, and its rates are the mean over
+        these. So is whatever part of them jumps, as a force. That is what the part is for the
+        equivalent value of a sign that stands in it linearly; not within a ``clip``, or a square.
+        Other texts are functions of these parts, and no means: what holds a mass has a size.
+        """
+        if not self.controls or node not in self.motion:
+            return self._resolved(node)
+        above, below = (side._tree(node) for side in self._beside)
+        if above is below:
+            return above
+        mean = self._mean(above, below, next(iter(self.controls.values())))
+        try:
+            own = self._resolved(node)
+        except Undecided:  # the equivalent value lies on no known side of another surface
+            return mean
+        apart = self.graph.add(own, self.graph.negate(mean))
+        if not self.on_surface or vanishes([substituted(self.graph, apart, self.on_surface)]):
+            return own
+        return mean
 
     def _resolved(self, node: Name | Call) -> Expression:
         if isinstance(node, Name):
@@ -338,6 +349,30 @@ class Resolver:
             graph.multiply(graph.call("where", condition, graph.one, graph.zero), above),
             graph.multiply(graph.call("where", condition, graph.zero, graph.one), below),
         )
+
+
+def calls_of_motion(equations: ModeEquations) -> frozenset[Expression]:
+    """Calls that stand in the equations of motion of a mode, in those of definitions too.
+
+    Sums are left out: they are means where their parts are.
+    """
+    found: set[Expression] = set()
+    seen: set[int] = set()  # parts that are shared are met once
+    open_yet = [
+        equation.tree for equation in (*equations.flow.values(), *equations.slaved.values())
+    ]
+    while open_yet:
+        part = open_yet.pop()
+        if id(part) in seen:
+            continue
+        seen.add(id(part))
+        if isinstance(part, Call):
+            if part.function not in _LINEAR:
+                found.add(part)
+            open_yet.extend(part.arguments)
+        elif isinstance(part, Name) and part.name in equations.definitions:
+            open_yet.append(equations.definitions[part.name].tree)
+    return frozenset(found)
 
 
 def _difference(graph: Graph, left: Expression, right: Expression) -> Expression:
