@@ -365,12 +365,15 @@ def _by_cycle_beyond(
 
     The motion has not settled, so its word may be that of the orbit on the other side.
     """
-    (low, high), way, known = stretch.options.bounds, _way(point), stretch.equations.word
+    (low, high), way = stretch.options.bounds, _way(point)
     for part in _SETTLED:
         values = [point.p + sign * part * (high - low) for sign in (way, -way)]
         found = [g for value in values for g in cycles_beyond(stretch, looked.turn, point.p, value)]
-        guesses = {guess.word: guess for guess in reversed(found) if guess.word != known}
+        guesses = {guess.word: guess for guess in reversed(found)}
         for value, guess in product(values, guesses.values()):
+            back = abs(value - point.p) if value == values[1] else None
+            if _is_known(stretch, guess.word, value, back):
+                continue
             start = _start(stretch, guess, value, replace(point, tangent_p=value - point.p))
             if start is None or not (
                 _stands(stretch, start)

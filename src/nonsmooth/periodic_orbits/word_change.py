@@ -122,11 +122,16 @@ def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> 
     Legs behind others are changed first, so that the numbers of those before stay what they are.
     """
     last: Change | None = None
+    before = len(equations.word)  # legs from here on have changed
     for name in sorted(names, key=lambda each: -int(each.split(":")[1])):
+        if int(name.split(":")[1]) >= before:
+            continue  # it went with an excursion of several legs
         found = changes_of_word(equations, turn, name)
         if not found:
             return []
         last = found[0]
+        if len(last.guess.word) < len(equations.word) - 2:
+            before = int(last.grows.split(":")[1])
         turn = last.guess.turn
         equations = equations.of_word(last.guess.word, turn.states[0])
     return [] if last is None else [last]
@@ -372,7 +377,7 @@ def _without_whole_excursion(equations: OrbitEquations, turn: Turn, name: str) -
     first = k if short[k] else (k + 1) % count
     if not short[first] or np.count_nonzero(short) > count - 2:
         return None
-    while short[first - 1]:
+    while short[first - 1] and (first or word.closes_at_event):
         first = (first - 1) % count
     if word.closes_at_event:
         short = np.roll(short, 1 - first)
