@@ -502,6 +502,11 @@ def follow_orbits(
     for each in _follow(options, legs, start, report):
         if isinstance(each, Followed):
             yield from held
+            shrunk = last.shrunk(each)
+            if shrunk is not None:
+                yield shrunk
+                told = f"the branch ends at {options.parameter} = {shrunk.value:.8g}"
+                each = Followed(shrunk.special, f"{told}: {shrunk.detail}")
             yield last.end(each)
             return
         if not (options.inadmissible or each.looked.admissibility.admissible) and stands:

@@ -9,15 +9,19 @@ and faster.
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 
 import numpy as np
 
+from nonsmooth.periodic_orbits.branch_change import SHRINKS
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
+from nonsmooth.periodic_orbits.cycle_end import end_of_short_cycles
 from nonsmooth.periodic_orbits.stretch import BranchOptions
 
 __all__ = ["LastOrbits"]
 
 _WINDOW = 20  # half of the points that are looked at
+_KEPT = 80  # orbits as a whole, for the end to which they shrink
 _STILL = 1e-3  # of the range, by which the parameter moves at most over them
 _NEARER = 0.9  # of its way in the first half of the growth is that in the second one, at most
 _LONGER, _LARGER = 1.01, 2.0  # factors by which period and amplitude grow, at least
@@ -27,6 +31,7 @@ _CLEAR = 1e3  # times that has it moved over all of them
 _STEP = 1e-3  # part of itself by which the period grows in a step while the parameter does not
 # of branches that may come to no other end: steps that become too short for what they look for
 _ENDS = ("steps", "smallest_step", "singular", "word_change")
+_SHORT_STEPS = ("smallest_step", "singular")
 
 
 class LastOrbits:
@@ -36,9 +41,11 @@ class LastOrbits:
         self.options = options
         self._first = 0.0  # amplitude
         self._last: deque[tuple[float, float, float]] = deque(maxlen=2 * _WINDOW + 1)
+        self._parts: deque[BranchPart] = deque(maxlen=_KEPT)
 
     def add(self, part: BranchPart) -> None:
         """The next point of the branch."""
+        self._parts.append(part)
         turn = part.looked.turn
         size = float(np.abs(turn.states).max())
         self._first = self._first or size
@@ -80,6 +87,31 @@ class LastOrbits:
             assert ended is not None
             return ended
         return Followed("unbounded", f"{told}, from where {name} moves less and less")
+
+    def shrunk(self, ended: Followed) -> BranchPart | None:
+        """The point to which the orbits have shrunk with their periods; None if to none.
+
+        It has the multipliers and the durations of the last cycle.
+        """
+        options = self.options
+        if not options.autonomous or ended.ended not in _SHORT_STEPS:
+            return None
+        cycles = [(part.value, part.looked.turn) for part in self._parts]
+        if not cycles or not self._parts[-1].word.closes_at_event:
+            return None
+        drifting = np.array([name in options.system.drift_states for name in options.system.states])
+        found = end_of_short_cycles(cycles, drifting, options.bounds)
+        if found is None:
+            return None
+        value, state = found
+        part = self._parts[-1]
+        values = part.looked.values.copy()
+        values[list(options.system.parameters).index(options.parameter)] = value
+        turn = replace(part.looked.turn, states=np.tile(state, (len(part.word), 1)))
+        return replace(
+            part, looked=replace(part.looked, turn=turn, values=values), value=value,
+            special="pseudo_hopf", detail=f"{SHRINKS} as its period does", test="shrink",
+        )  # fmt: skip
 
     def _grows_for_ever(self, column: int, factor: float) -> bool:
         """Whether a column goes up over the last points while the parameter comes to a limit.

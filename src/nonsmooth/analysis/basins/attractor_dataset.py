@@ -256,8 +256,8 @@ def _said_of_unsettled(what: str, ending: Integers, how: SearchOptions) -> list[
             f"{wanders} {what} came to no attractor, as their motions hardly came back to cells"
             f" where they had been in longest = {how.longest} iterates: a transient that is longer,"
             " a state that grows without limit, or chaos over so many states that it needs larger"
-            f" cells; give fewer cells={fewer} in place of {how.cells}, raise longest=, or name what"
-            " grows in drift="
+            f" cells; give fewer cells={fewer} in place of {how.cells}, raise longest=, or name"
+            " what grows in drift="
         )
     return said
 
