@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ import nonsmooth as ns
 from analysis.wells import forced_wells, narrow_well, runaway
 from nonsmooth.analysis.basins.attractor import Attractor
 from nonsmooth.analysis.basins.attractor_dataset import search_message
+from nonsmooth.analysis.basins.attractor_search import SearchOptions, SettledStarts
 
 SQUARE = {"x": (-2.0, 2.0), "y": (-2.0, 2.0)}
 
@@ -326,7 +329,50 @@ def test_no_attractor_is_told() -> None:
         ns.System(states=["x"], period=1.0, equations={"x": "x"}), {"x": (1, 2)}, samples=8
     )
     assert found.sizes["attractor"] == 0
-    assert found.attrs["message"].startswith("no attractors: all starts ended early")
+    message = found.attrs["message"]
+    assert message.startswith("no attractors: all starts ended early: diverged; simulate one")
+
+
+def test_ends_are_told_by_their_statuses() -> None:
+    """x grows by e in each step, to a stop at 2 on one side and without limit on the other.
+
+    Nothing else is said to happen to them, whatever the method.
+    """
+    modes = {"out": ns.Mode({"x": "x", "y": "-y"}, exits=[ns.Exit("2 - x", to="stop")])}
+    system = ns.System(states=["x", "y"], period=1.0, modes=modes)
+    found = ns.attractors(system, {"x": (-1, 1)}, samples=16)
+    stopped = int(re.search(r"(\d+) stopped", found.attrs["message"])[1])
+    assert f"all starts ended early: {max(stopped, 16 - stopped)} " in found.attrs["message"]
+    assert f"{16 - stopped} diverged; simulate one" in found.attrs["message"]
+    region = {"x": np.linspace(-1.0, 1.0, 6), "y": np.linspace(-1.0, 1.0, 2)}
+    for method in ("recurrences", "cell mapping", "generalised cell mapping"):
+        told = ns.basins_of_attraction(
+            system, region, method=method, samples=16, record=100, longest=500
+        ).attrs["message"]
+        assert "stopped" in told and "diverged" in told and "rest" not in told, (method, told)
+
+
+def test_ends_of_motions_that_are_not_unique() -> None:
+    """Two genes that switch each other off: from the meeting of thresholds any side may be left."""
+    switch = ns.System(
+        states=["a", "b"],
+        equations={"a": "2*heaviside(0.7 - b) - a", "b": "2*heaviside(0.7 - a) - b"},
+    )
+    side = np.linspace(0.0, 2.0, 5)
+    basins = ns.basins_of_attraction(
+        ns.StroboscopicMap(switch, period=1.0), {"a": side, "b": side}, samples=8, record=100
+    )
+    assert np.diag(basins["label"].values).tolist() == [-1] * 5
+    assert basins.attrs["message"].startswith("5 cells ended early: nonunique; simulate one")
+
+
+def test_motions_that_never_come_back_are_told_from_those_that_stay() -> None:
+    """x' = 1 goes on for ever, where it is not declared in drift=."""
+    system = ns.System(states=["x", "y"], period=1.0, equations={"x": "1", "y": "-y"})
+    message = ns.attractors(system, {"x": (0, 1)}, samples=4, longest=500).attrs["message"]
+    assert message.startswith("4 starts came to no attractor, as their motions hardly came back")
+    assert "in longest = 500 iterates" in message and "cells=, such as 8, in place" in message
+    assert "not stable" not in message
 
 
 @pytest.mark.slow
@@ -362,10 +408,12 @@ def test_results_survive_a_file(tmp_path) -> None:
 def test_a_set_that_converges_too_slowly_comes_with_a_cure():
 
     one = Attractor(np.zeros((1, 1)), np.zeros(1, int), 0, np.zeros(1), exponent=-0.1)
-    said = search_message("starts", 0, 0, [one])
+    how = SearchOptions(1, 0, 64, 10_000, 2000, 1e-6, 1e-12)
+    said = search_message("starts", SettledStarts.of(np.ones(1, np.int64)), [one], how, None)
     assert said.startswith("1 of 1 attractors are aperiodic with an exponent below zero")
     assert "raise longest= and record=" in said
-    assert search_message("starts", 0, 0, []) == "completed"
+    nothing = SettledStarts.of(np.zeros(0, np.int64))
+    assert search_message("starts", nothing, [], how, None) == "completed"
 
 
 @pytest.mark.slow

@@ -196,3 +196,41 @@ def test_cycles_that_slide_end_where_their_rest_is_on_the_surface(threshold, ste
     assert float(end["y"]) == pytest.approx(y, rel=4e-15)
     assert float(end["length"]) == pytest.approx(length_of_small_harvest(), rel=1e-6)
     assert end["multipliers"].values == pytest.approx([0.0], abs=1e-12)
+
+
+def relayed(p: float, c: float) -> ns.System:
+    """A relay around (1 + c s) K/((s + 1) (s + 5) (s + p)), without hysteresis."""
+    return ns.System(
+        states=["x", "y", "z"],
+        parameters={"K": 3.0, "p": p, "c": c},
+        initial={"x": 0.5},
+        equations={
+            "x": "y",
+            "y": "z",
+            "z": "-5*p*x - (5 + 6*p)*y - (6 + p)*z - K*sign(e)",
+        },
+        surfaces={"e": ns.Surface("x + c*y")},
+    )
+
+
+@pytest.mark.parametrize(
+    ("p", "between"), [(2.0, (0.0, 0.3)), pytest.param(4.0, (-0.3, 1.5), marks=pytest.mark.slow)]
+)
+def test_a_cycle_that_shrinks_with_its_period(p, between):
+    """At high frequencies the loop is c/s**2 (1 + (1/c - 6 - p)/s): it turns round for ever at 1/c.
+
+    Fast switches are damped or driven by the sign of what is in brackets; the parameter is where it
+    vanishes. The point is the origin, on either side of which the relay pushes to the other one.
+    """
+    system = relayed(p, 0.05)
+    orbit = ns.find_orbit(system, transient=5)
+    branch = ns.continue_orbit(system, "c", between, initial=orbit, direction="up")
+    assert branch.attrs["end_last"] == branch["special_kind"].values[-1] == "pseudo_hopf"
+    assert "shrinks to a point as its period does" in branch.attrs["message"]
+    last = branch.isel(point=-1)
+    # periods of 1e-2 fix the parameter by terms of their sixth power, 1e-12, beside what rounding
+    # leaves of cycles: states of 1e-8 to 1e-6 over rates of 1, in a fit that makes ten times of it
+    assert float(last["c"]) == pytest.approx(1.0 / (6.0 + p), abs=1e-8)
+    assert [float(last[name]) for name in "xyz"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
+    with pytest.raises(ns.OptionError, match="is a pseudo_hopf point"):
+        ns.continue_special(branch, branch.sizes["special"] - 1, "p", (1.0, 5.0))

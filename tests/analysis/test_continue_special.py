@@ -104,6 +104,16 @@ def test_bad_input(soft, change, message):
         ns.continue_special(soft, *first, **given)
 
 
+def test_a_point_without_a_number_that_vanishes(soft):
+    """As in branches that were kept by versions that did not tell it of all points."""
+    number = number_of(soft, "grazing")
+    tests = soft["special_test"].values.copy()
+    tests[number] = ""
+    kept = soft.assign(special_test=("special", tests))
+    with pytest.raises(ns.OptionError, match="no number that vanishes there"):
+        ns.continue_special(kept, number, "omega", (0.8, 0.9))
+
+
 def test_no_branch():
     with pytest.raises(ns.OptionError, match="give a result of continue_orbit"):
         ns.continue_special(1.0, 0, "omega", (0.8, 0.9))

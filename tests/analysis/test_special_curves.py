@@ -355,3 +355,27 @@ def test_steps_may_end_anywhere(twice, steps):
     )
     assert curve.attrs["end_first"] == curve.attrs["end_last"] == "steps"
     assert curve.sizes["point"] >= 2 * steps
+
+
+def test_a_turning_point_is_no_point_of_another_curve():
+    """x = F sin(t) grazes where F = 1 + q - (F - 1)**2, so q turns back at F = 1/2, q = -1/4."""
+    stop = ns.Exit("1 + q - (F - 1)**2 - x", reset={"v": "-0.5*v"}, name="impact")
+    system = ns.System(
+        states=["x", "v"],
+        period="2*pi",
+        parameters={"F": 0.95, "q": 0.0},
+        modes={"free": ns.Mode({"x": "v", "v": "F*cos(t) - v - x"}, exits=[stop])},
+    )
+    long = {"step": 0.05, "largest_step": 0.1}
+    branch = ns.continue_orbit(system, "F", (0.4, 1.1), direction="up", steps=2, **long)
+    curve = ns.continue_special(
+        branch, number_of(branch, "grazing"), "q", (-1.0, 0.1), direction="down", steps=20, **long
+    )
+    F, q = curve["F"].values, curve["q"].values
+    assert q == pytest.approx(F - 1 + (F - 1) ** 2, abs=1e-12)
+    turns = number_of(curve, "turning_point")
+    # located where the slope is zero to rounding of its differences, which q feels squared
+    assert curve["special_value"].values[turns] == pytest.approx(-0.25, abs=1e-12)
+    assert curve["special_detail"].values[turns] == "the second parameter turns back"
+    with pytest.raises(ns.OptionError, match="is a turning_point point"):
+        ns.continue_special(curve, turns, "q", (-1.0, 0.1))

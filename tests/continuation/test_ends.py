@@ -46,6 +46,31 @@ def test_start_on_a_bound():
     assert len(list(inward)) > 5
 
 
+def slope(u, p):
+    return u - math.sin(3 * p), np.array([[1.0]]), np.array([-3 * math.cos(3 * p)])
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-16, -1e-16, 1e-13, 1e-11, 1e-9])
+@pytest.mark.parametrize("given", [True, False])
+def test_start_within_rounding_of_a_bound(gap, given):
+    """With a direction the parameter is corrected too, and comes off the bound by rounding."""
+    away = (np.array([3 * math.cos(3.9)]), 1.0) if given else 1
+    branch = follow(slope, math.sin(3.9), 1.3, direction=away, bounds=(0, max(1.3, 1.3 + gap)))
+    *_, last = branch
+    assert branch.ended == "bound" and last.p == max(1.3, 1.3 + gap) and last.special == "bound"
+
+
+@pytest.mark.parametrize("gap", [1e-16, 1e-14, 1e-12, 1e-10, 1e-8])
+def test_a_bound_just_behind_a_point(gap):
+    """Points are as before where the bound is farther away; each is tried."""
+    before = [point.p for point in follow(slope, 0.0, 0.0, bounds=(0, 9), parameter_scale=1.0)]
+    for p in before[1:8]:
+        branch = follow(slope, 0.0, 0.0, bounds=(0, p + gap), parameter_scale=1.0)
+        *_, last = branch
+        assert branch.ended == "bound" and last.p == p + gap
+        assert last.u[0] == pytest.approx(math.sin(3 * last.p), abs=1e-14)
+
+
 def test_start_at_a_fold_on_a_bound():
     for residual in (lambda u, p: (u**2 - p, 2 * u, -1.0), lambda u, p: u**2 - p):
         *_, last = follow(residual, 0.0, 0.0, bounds=(0, 3))

@@ -129,6 +129,25 @@ def test_folds_of_a_map_and_bounds_of_the_first_parameter():
         assert point.u[2] == pytest.approx(-((1 - point.p) ** 2) / 4, abs=1e-12)
 
 
+@pytest.mark.parametrize("gap", [0.0, 1e-16])
+def test_a_start_on_a_bound_of_the_first_parameter(gap):
+    """The folds of u**3 - q u + p lie on 27 p**2 = 4 q**3; p grows with q."""
+
+    def cubic(u, p, q):
+        return u**3 - q * u + p, 3 * u**2 - q, 1.0, -u
+
+    u = (1 / 3) ** 0.5
+    p = u - u**3
+    for direction in (1, -1):
+        curve = two_parameter(
+            cubic, "fold", u, p, 1.0, direction=direction, bounds=(0.1, p + gap),
+            second_bounds=(-1.0, 4.0),
+        )  # fmt: skip
+        *_, last = curve
+        assert curve.ended == "bound"
+        assert float(last.u[-1]) == (p + gap if direction > 0 else 0.1)
+
+
 def test_closed_curve_in_two_parameters():
     """u = sin-like residual with folds on a circle of (p, q)."""
 

@@ -40,3 +40,18 @@ def test_two_crossing_branches_and_reasons_in_brackets():
     said = ending_of_orbits("domain", "no finite value beyond p = 1 (f(x): too far): ends", "b", 1)
     assert "are not defined (f(x): too far), as" in said
     assert ending_of_orbits("stopped", "far enough", "b", 1.0) == "far enough"
+
+
+def test_a_branch_that_begins_at_its_bound():
+    """The amplitude of x'' = -4 x - 0.4 x' + F cos(3 t) is F / |-5 + 1.2 i|."""
+    system = ns.System(
+        states=["x", "v"],
+        parameters={"F": 0.0},
+        period="2*pi/3",
+        equations={"x": "v", "v": "-4*x - 0.4*v + F*cos(3*t) - 9.81"},
+    )
+    branch = ns.continue_orbit(system, "F", (0.0, 0.4))
+    assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("bound", "bound")
+    assert branch["F"].values[[0, -1]].tolist() == [0.0, 0.4]
+    down = ns.continue_orbit(system, "F", (0.3, 0.4), parameters={"F": 0.3}, direction="down")
+    assert down.attrs["end_first"] == "bound" and down["F"].values.tolist() == [0.3]

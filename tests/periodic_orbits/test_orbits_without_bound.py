@@ -1,10 +1,13 @@
 """Branches of cycles that grow without bound: they say so, and at which parameter."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import xarray as xr
 
 import nonsmooth as ns
+from nonsmooth.periodic_orbits.unbounded import LastOrbits
 
 
 def circle(radius: str, turning: str, **parameters: float) -> ns.System:
@@ -55,3 +58,47 @@ def test_a_period_without_bound():
 def test_a_branch_whose_parameter_still_moves_has_taken_its_steps():
     """The period grows here too."""
     assert saddle_node_on_a_circle(10).attrs["end_first"] == "steps"
+
+
+def first_far(p: np.ndarray, period: np.ndarray) -> int:
+    """Number of the orbit after which nothing else is expected, -1 for none."""
+    last = LastOrbits(SimpleNamespace(bounds=(0.0, 2.0), parameter="p"))
+    for k, (value, length) in enumerate(zip(p, period, strict=True)):
+        turn = SimpleNamespace(states=np.ones((1, 1)), instants=np.array([0.0, length]))
+        last.add(SimpleNamespace(value=float(value), looked=SimpleNamespace(turn=turn)))
+        if last.are_far:
+            return k
+    return -1
+
+
+def test_where_the_parameter_is_at_its_limit_to_rounding():
+    k = np.arange(80)
+    steps = 0.5 * 0.6**k  # of the parameter, as at a saddle, which is passed in 1, 2, 3 ... units
+    far = first_far(1.0 - steps, 5.0 + k)
+    assert 0.4 * steps[far - 1] <= 1e3 * 2.0 * np.finfo(float).eps < 0.4 * steps[far - 2]
+    assert first_far(1.0 - steps, 5.0 - 0.6**k) == -1  # the period has a limit too
+    assert first_far(np.ones(80), 5.0 + k) == -1  # all cycles are at one value
+    assert first_far(0.5 + 1e-6 * k, 5.0 + k) == -1  # the parameter goes on
+
+
+def test_a_period_without_bound_where_steps_become_short():
+    """Three genes that switch each other off; their levels k/g fall to the threshold at g = k/th.
+
+    There the period goes as a logarithm, and rounding of the states is much of what is left.
+    """
+    names = "abc"
+    ring = ns.System(
+        states=list(names),
+        parameters={"k": 2.0, "g": 2.7, "th": 0.7},
+        initial={"a": 0.702, "b": 0.3, "c": 0.1},
+        equations={
+            name: f"k*heaviside(th - {before}) - g*{name}"
+            for name, before in zip(names, "cab", strict=True)
+        },
+    )
+    branch = ns.continue_orbit(ring, "g", (0.3, 3.0), direction="up", transient=5)
+    assert branch.attrs["end_last"] == "unbounded"
+    assert "the period grows without bound" in branch.attrs["message"]
+    assert branch["g"].values[-1] == pytest.approx(2.0 / 0.7, abs=1e-7)
+    assert branch.sizes["special"] == 0  # no change of the word by rounding
+    assert np.all(np.diff(branch["length"].values) > 0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -165,11 +166,12 @@ def attractors(
     variables, coords = attractor_variables(chosen.system, order, label)
     import xarray as xr
 
+    settled = replace(found.settled, label=label)
     counts = {
         "drawn_starts": found.drawn,
         "unsettled_starts": int(np.sum(label == UNSETTLED)),
         "ended_starts": int(np.sum(label == ENDED)),
-        "unreturned_starts": found.search.unreturned,
+        "unreturned_starts": settled.unreturned,
     }
     options = {
         **{f"region_{name}": str((low, high)) for name, low, high in zip(
@@ -183,10 +185,7 @@ def attractors(
     status = "completed" if found.complete else "interrupted"
     message = "interrupted by the user; the attractors found until then are kept"
     if found.complete:
-        message = search_message(
-            "starts", counts["unsettled_starts"], counts["ended_starts"], order,
-            counts["unreturned_starts"], chosen,
-        )  # fmt: skip
+        message = search_message("starts", settled, order, how, chosen)
     if counts["unreturned_starts"]:
         told = said_of_unreturned("starts", counts["unreturned_starts"])
         warnings.warn(f"{chosen.system.name}: {told}", ResultWarning, stacklevel=2)

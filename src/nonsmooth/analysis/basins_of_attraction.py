@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,17 @@ from nonsmooth.analysis.basins.attractor_dataset import (
     with_images,
     with_words,
 )
-from nonsmooth.analysis.basins.attractor_search import ENDED, INADMISSIBLE, UNSETTLED, read_search
+from nonsmooth.analysis.basins.attractor_search import (
+    ENDED,
+    INADMISSIBLE,
+    NOT_COMPUTED,
+    UNSETTLED,
+    SearchOptions,
+    read_search,
+)
 from nonsmooth.analysis.basins.by_cell_mapping import by_cell_mapping
 from nonsmooth.analysis.basins.by_cell_shares import by_cell_shares
-from nonsmooth.analysis.basins.by_recurrences import NOT_COMPUTED, Basins, by_recurrences
+from nonsmooth.analysis.basins.by_recurrences import Basins, by_recurrences
 from nonsmooth.analysis.basins.region import Grid, read_grid
 from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.errors import OptionError, is_known, unknown_choice
@@ -179,7 +187,7 @@ def basins_of_attraction(
         found = by_recurrences(chosen, grid, how, shared, protocol)
     else:
         found = _MAPPINGS[method](chosen, grid, how, workers)
-    return basin_dataset(chosen, grid, found, options)
+    return basin_dataset(chosen, grid, found, how, options)
 
 
 def _check_mapping(
@@ -221,7 +229,9 @@ def check_names(system: System, region: Iterable[str]) -> None:
             )
 
 
-def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, Any]) -> xr.Dataset:
+def basin_dataset(
+    chosen: Any, grid: Grid, basins: Basins, how: SearchOptions, options: dict[str, Any]
+) -> xr.Dataset:
     """Labels over the states of the region, beside the attractors."""
     system = chosen.system
     order, label = renumbered(basins.attractors, basins.settled.label)
@@ -261,9 +271,8 @@ def basin_dataset(chosen: Any, grid: Grid, basins: Basins, options: dict[str, An
     status = "completed" if basins.complete else "interrupted"
     message = "interrupted by the user; the cells that are done are kept"
     if basins.complete:
-        message = search_message(
-            "cells", counts["unsettled_cells"], counts["ended_cells"], order, chosen=chosen
-        )
+        settled = replace(basins.settled, label=label)
+        message = search_message("cells", settled, order, how, chosen)
     if basins.remark:
         message = f"{message}; {basins.remark}"
     attrs = result_attributes(system, status, message, options | counts | dict(basins.notes))

@@ -349,7 +349,9 @@ def _message(columns: Sequence[Column], collector: BranchCollector, complete: bo
         )
     ended = sum(bool(np.any(column.labels < 0)) for column in columns)
     if ended:
-        said.append(f"at {ended} values some starts ended early")
+        statuses = dict.fromkeys(one for each in columns for one in each.found.settled.endings)
+        told = ", ".join(one.word for one in statuses)
+        said.append(f"at {ended} values some starts ended early" + (f": {told}" if told else ""))
     if collector.is_full:
         said.append(
             f"no more branches than {len(collector.branches)} are followed: lower longest=, or"

@@ -181,6 +181,11 @@ def continue_orbit(
         Where the branch ends: a cycle with events shrinks to a point, where a rest of one of its
         modes meets the surface at which that mode ends. It stands as the last orbit, with the
         multipliers of the last cycle.
+    ``pseudo_hopf``
+        Where the branch ends: a cycle with events shrinks to a point together with its period, as
+        under a relay, where the fields on both sides of a surface are opposite. It stands as the
+        last orbit, with the multipliers and the duration of the last cycle; the parameter is found
+        by polynomials through the last cycles.
     ``word_change``
         The engine finds another motion, although none of these happens.
     ``bound``, ``closed``

@@ -225,7 +225,7 @@ def _special_point(branch: Any, special: Any) -> _SpecialPoint:
             f"special = {int(number)} is a {kind} point, from which no curve is followed; curves"
             f" are followed of the kinds {', '.join(_KINDS)}"
         )
-    if what_of(test) == "motion":
+    if what_of(test) in ("", "motion"):
         raise OptionError(
             f"special = {int(number)}: only the motions beyond tell of this {kind} point, so there"
             " is no number that vanishes there and could be followed"

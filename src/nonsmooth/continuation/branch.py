@@ -89,6 +89,21 @@ def _leaves(node: Node, bounds: tuple[float, float]) -> bool:
     return (node.p >= high and ahead > 0.0) or (node.p <= low and ahead < 0.0)
 
 
+def _leaves_first(corrector: Corrector, node: Node, options: Options) -> bool:
+    """Whether the last unknown, a parameter with bounds, is on one of them and heads out.
+
+    The start is corrected, so it is there to rounding; then it is put there.
+    """
+    ahead = float(node.tangent[-2]) if node.tangent.size > 1 else 0.0
+    near = corrector.tolerance * (1.0 + corrector.length(node.u, node.p))
+    for bound, way in zip(options.unknown_bounds, (-1.0, 1.0), strict=True):
+        inside = way * (bound - float(node.u[-1]))
+        if way * ahead > 0.0 and inside <= near * float(corrector.equations.scale[-2]):
+            node.u[-1] = bound
+            return True
+    return False
+
+
 def _ahead(corrector: Corrector, node: Node, step: float) -> Node:
     """The point a step ahead; `PastBound` where that is out of bounds, which are not passed."""
     y = corrector.scaled(node.u, node.p) + step * node.tangent
@@ -99,7 +114,7 @@ def _ahead(corrector: Corrector, node: Node, step: float) -> Node:
     low, high = corrector.equations.bounds
     if not low <= p <= high:
         raise PastBound
-    return corrector.across(y[:-1] * scale[:-1], p, node.tangent, step)
+    return corrector.onto_bound(corrector.across(y[:-1] * scale[:-1], p, node.tangent, step))
 
 
 def _on_bound(corrector: Corrector, node: Node, step: float) -> Node:
@@ -255,7 +270,7 @@ class Branch(Iterator[Point]):
 
     def _run(self, first: Node) -> Iterator[Point]:
         options, node, step = self._options, first, self._options.step
-        outward = _leaves(first, options.bounds)
+        outward = _leaves(first, options.bounds) or _leaves_first(self._corrector, first, options)
         yield self._point(first, "bound" if outward else "")
         if outward:
             return self._end("bound", first)

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nonsmooth.continuation.bordered import Determinant, solve_bordered
 from nonsmooth.continuation.equations import Equations
-from nonsmooth.continuation.point import Array, NotConverged
+from nonsmooth.continuation.point import Array, NotConverged, Refused
 
 __all__ = ["Corrector", "Node", "arc", "effort", "turn"]
 
@@ -74,6 +75,20 @@ class Corrector:
         border = np.zeros(self.equations.n + 1)
         border[-1] = 1.0
         return self._newton(u, p, border, reach, fixed=True)
+
+    def onto_bound(self, node: Node) -> Node:
+        """The solution on a bound that is no farther than rounding; else the same.
+
+        Newton's method moves the parameter by rounding, and what is left of the way to the bound
+        has no direction by which a step could be judged.
+        """
+        near = self.tolerance * (1.0 + self.length(node.u, node.p))
+        for bound in self.equations.bounds:
+            if 0.0 < abs(node.p - bound) <= near * float(self.equations.scale[-1]):
+                with suppress(Refused):  # as where it turns back before it
+                    found = self.at_parameter(node.u, bound, _ROUNDING * near)
+                    return replace(found.turned(node.tangent), iterations=node.iterations)
+        return node
 
     def _newton(self, u: Array, p: float, border: Array, reach: float, fixed: bool) -> Node:
         scale = self.equations.scale

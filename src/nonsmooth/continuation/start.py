@@ -51,12 +51,12 @@ def _first_node(corrector: Corrector, u: Array, p: float, ahead: Array, given: b
     """The start on the branch, at its own parameter where there is such a point."""
     at = _at(corrector, u, p)
     if given:
-        return _with_direction(corrector, u, p, ahead)
+        return corrector.onto_bound(_with_direction(corrector, u, p, ahead))
     try:
         found = corrector.at_parameter(u, p)
-    except (Refused, PastBound):
+    except Refused:
         found = _nearest(corrector, u, p, at)
-    return found.turned(ahead)
+    return corrector.onto_bound(found.turned(ahead))
 
 
 def _at(corrector: Corrector, u: Array, p: float) -> Linearised:
@@ -73,7 +73,10 @@ def _at(corrector: Corrector, u: Array, p: float) -> Linearised:
 def _with_direction(corrector: Corrector, u: Array, p: float, ahead: Array) -> Node:
     """A start from which a direction is given: two branches may cross there."""
     try:
-        found = corrector.across(u, p, ahead, _FAR)
+        try:
+            found = corrector.across(u, p, ahead, _FAR)
+        except PastBound:  # by rounding, where the start is on a bound
+            found = corrector.at_parameter(u, p, _FAR).turned(ahead)
         if turn(found.tangent, ahead) < _STRAIGHT:
             return found
     except Refused:

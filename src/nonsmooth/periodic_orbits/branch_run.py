@@ -134,8 +134,9 @@ class _StretchWalk:
             if not self._is_located and first is not None:
                 # the start is the change itself, to rounding: no sign has changed behind it
                 self._is_located = True
-                begun = self._part(first[1], first[0], self.start.kind, self.start.detail)
-                yield replace(begun, arclength=self.begin + first[0].arclength)
+                there = replace(first[0], special=self.start.grows)
+                begun = self._part(first[1], there, self.start.kind, self.start.detail)
+                yield replace(begun, arclength=self.begin + there.arclength)
             yield from self._counted(point, looked)
             if self.following is not None or self.ended is not None:
                 return
@@ -501,6 +502,11 @@ def follow_orbits(
     for each in _follow(options, legs, start, report):
         if isinstance(each, Followed):
             yield from held
+            shrunk = last.shrunk(each)
+            if shrunk is not None:
+                yield shrunk
+                told = f"the branch ends at {options.parameter} = {shrunk.value:.8g}"
+                each = Followed(shrunk.special, f"{told}: {shrunk.detail}")
             yield last.end(each)
             return
         if not (options.inadmissible or each.looked.admissibility.admissible) and stands:
@@ -519,7 +525,8 @@ def follow_orbits(
             continue
         elif not each.special:
             if held and way * each.way < 0.0:
-                held[0] = replace(held[0], special="fold")  # just where an event passes
+                # just where an event passes
+                held[0] = replace(held[0], special="fold", test="fold")
             way = each.way
         yield from held
         held = []

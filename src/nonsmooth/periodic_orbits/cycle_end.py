@@ -9,11 +9,16 @@ A cycle with events shrinks in proportion to the distance from its end, where a 
 modes meets the surface at which that mode ends: a boundary equilibrium (M. di Bernardo et al.,
 Piecewise-smooth Dynamical Systems, 2008, section 5.1). The parameter there makes the guard of the
 rest zero.
+
+Another cycle with events shrinks together with its period, onto a point of the surface at which the
+fields on its two sides are opposite: a pseudo-Hopf point. It turns round the point in ever shorter
+flights, so few digits of its states tell its equations apart, and no step succeeds soon before the
+end. The parameter and the middle are smooth functions of the period there, which lead to the end.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +26,7 @@ import numpy.typing as npt
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.periodic_orbits.cycle_plane import spread_of, states_of_cycle
-from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.word import Word
 
@@ -30,6 +35,7 @@ __all__ = [
     "NOTHING",
     "boundary_of_cycles",
     "end_of_cycles",
+    "end_of_short_cycles",
     "is_nothing",
     "smaller_cycles",
 ]
@@ -48,6 +54,12 @@ _NEWTON = 20
 _SETTLED = 1e-14  # step beside the rest, or the range of the parameter: no further ones
 _ASIDE = 1e-6  # of the range of the parameter, to begin with
 _FAR = 1e-3  # of the range of the parameter: farther away it is not the end of these cycles
+# times the last period are those that lead to the end of cycles that become short: of shorter ones
+# much is rounding
+_SHORT = (4.0, 20.0)
+_DEGREE = 4  # of the polynomials in the period
+_ENOUGH = 10  # cycles for one of them
+_VANISHES = 1e-2  # of the largest spread among them, and of the way to the end: as good as zero
 
 
 def is_nothing(
@@ -172,6 +184,40 @@ def boundary_of_cycles(
         if abs(p - last.p) <= _FAR * width:
             return p, rest, leg
     return None
+
+
+def end_of_short_cycles(
+    cycles: Sequence[tuple[float, Turn]],
+    drifting: npt.NDArray[np.bool_],
+    bounds: tuple[float, float],
+) -> tuple[float, Floats] | None:
+    """Parameter and state of the point to which cycles with events shrink with their periods.
+
+    ``cycles`` are the last ones, with their parameters. None where spread and period do not vanish
+    together, or the polynomials through them do not agree on the parameter.
+    """
+    lengths = np.array([float(turn.instants[-1] - turn.instants[0]) for _, turn in cycles])
+    shortest, longest = np.array(_SHORT) * lengths[-1]
+    chosen = np.flatnonzero((lengths >= shortest) & (lengths <= longest)).tolist()
+    periods, turns = lengths[chosen], [cycles[k][1] for k in chosen]
+    alike = len({len(turn.states) for turn in turns}) == 1
+    if len(turns) < _ENOUGH or not alike or np.any(np.diff(periods) >= 0.0):
+        return None
+    p = np.array([cycles[k][0] for k in chosen])
+    states = np.array([np.where(drifting, turn.states[0], turn.states) for turn in turns])
+    spread, share = np.ptp(states, axis=1), periods / periods[0]
+
+    def at_zero(values: Floats, degree: int = _DEGREE) -> Floats:
+        return np.asarray(np.polynomial.polynomial.polyfit(share, values, degree)[0])
+
+    if np.any(np.abs(at_zero(spread)) > _VANISHES * spread.max(axis=0)):
+        return None
+    end, rough = float(at_zero(p)), float(at_zero(p, _DEGREE - 1))
+    way, low, high = end - p[-1], *bounds
+    ahead = way * (p[-1] - p[0]) > 0.0 and abs(way) <= _FAR * (high - low)
+    if not ahead or abs(end - rough) > _VANISHES * abs(way):
+        return None
+    return end, np.where(drifting, states[-1, 0], at_zero(states.mean(axis=1)))
 
 
 def _guard_of(equations: OrbitEquations, state: Floats, mode: int, exit_number: int) -> float:

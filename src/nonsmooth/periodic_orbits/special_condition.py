@@ -141,7 +141,8 @@ class SpecialCondition:
         count, n = len(self.equations.word), self.legs.n
         if self.test in OF_UNIT_CIRCLE:
             return list(range(self.equations.size))
-        k = int(self.test.split(":")[1])
+        number = self.test.split(":")[1]
+        k = count - 1 if number == "last" else int(number)
         legs = [k, (k + 1) % count]
         instants = [count * n - 1 + j for j in (k, k + 1, k + 2) if 1 <= j <= count]
         of_states = [leg * n + i for leg in legs for i in range(n)]

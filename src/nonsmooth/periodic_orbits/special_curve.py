@@ -156,13 +156,14 @@ class SpecialCurve:
             again = point.arclength <= _AGAIN and (along > 0.0 or self._is_known(name))
             if again and (name or piece.located) and name not in ("bound", "closed"):
                 continue  # it has been told
-            test = name.removeprefix("also:")
+            # where the second parameter turns back nothing vanishes by which a curve might go on
+            test = "" if name == "fold" else name.removeprefix("also:")
             special = self._kind_at(name, looked)
             if special is None or not self._is_on_curve(looked):
                 continue
             yield point, BranchPart(
                 condition.equations.word, looked, point.p, along + point.arclength, special,
-                self._detail(condition, special, test), test if name else "",
+                self._detail(condition, special, test), test,
             )  # fmt: skip
 
     def _is_known(self, name: str) -> bool:

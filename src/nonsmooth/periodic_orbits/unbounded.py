@@ -9,22 +9,29 @@ and faster.
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 
 import numpy as np
 
+from nonsmooth.periodic_orbits.branch_change import SHRINKS
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
+from nonsmooth.periodic_orbits.cycle_end import end_of_short_cycles
 from nonsmooth.periodic_orbits.stretch import BranchOptions
 
 __all__ = ["LastOrbits"]
 
-_WINDOW = 20  # points of each of the two parts that are compared
-_STILL = 1e-3  # of the range, by which the parameter moves at most over both
-_NEARER = 0.9  # of its way in the first part is that in the second one, at most
-_LONGER, _LARGER = 1.01, 2.0  # factors by which period and amplitude grow over both, at least
-_GOES_ON = 0.5  # of the growth in the first part is that in the second one, at least
+_WINDOW = 20  # half of the points that are looked at
+_KEPT = 80  # orbits as a whole, for the end to which they shrink
+_STILL = 1e-3  # of the range, by which the parameter moves at most over them
+_NEARER = 0.9  # of its way in the first half of the growth is that in the second one, at most
+_LONGER, _LARGER = 1.01, 2.0  # factors by which period and amplitude grow, at least
 _FAR = 1e6  # times the amplitude of the first orbit
+_ROUNDINGS = 1e3 * float(np.finfo(float).eps)  # of the parameter, as much as orbits leave of it
+_CLEAR = 1e3  # times that has it moved over all of them
+_STEP = 1e-3  # part of itself by which the period grows in a step while the parameter does not
 # of branches that may come to no other end: steps that become too short for what they look for
 _ENDS = ("steps", "smallest_step", "singular", "word_change")
+_SHORT_STEPS = ("smallest_step", "singular")
 
 
 class LastOrbits:
@@ -34,9 +41,11 @@ class LastOrbits:
         self.options = options
         self._first = 0.0  # amplitude
         self._last: deque[tuple[float, float, float]] = deque(maxlen=2 * _WINDOW + 1)
+        self._parts: deque[BranchPart] = deque(maxlen=_KEPT)
 
     def add(self, part: BranchPart) -> None:
         """The next point of the branch."""
+        self._parts.append(part)
         turn = part.looked.turn
         size = float(np.abs(turn.states).max())
         self._first = self._first or size
@@ -44,8 +53,21 @@ class LastOrbits:
 
     @property
     def are_far(self) -> bool:
-        """Whether the amplitude has grown so much that nothing else can be expected."""
-        return self._last[-1][2] > _FAR * self._first and self._grows_for_ever(2, _LARGER)
+        """Whether they have grown so much that nothing else can be expected.
+
+        In amplitude; or in period, where the parameter has come to its limit to rounding.
+        """
+        if self._last[-1][2] > _FAR * self._first and self._grows_for_ever(2, _LARGER):
+            return True
+        if len(self._last) <= 2 * _WINDOW or not self._grows_for_ever(1, _LONGER):
+            return False
+        first, before, last = self._last[0], self._last[-2], self._last[-1]
+        rounding = _ROUNDINGS * max(map(abs, self.options.bounds))
+        # else cycles of one value of the parameter, of which rounding tells the way
+        moved = abs(last[0] - first[0]) > _CLEAR * rounding
+        # else steps that are short for another reason
+        grows = last[1] > (1.0 + _STEP) * before[1]
+        return moved and grows and abs(last[0] - before[0]) <= rounding
 
     def end(self, ended: Followed | None = None) -> Followed:
         """The end of the branch: that they grow without bound, or what has been found else."""
@@ -57,23 +79,53 @@ class LastOrbits:
             told = f"the amplitude grows without bound: it is {size:.3g} at {here}"
         elif self._grows_for_ever(1, _LONGER):
             told = (
-                f"the period grows without bound, as at an orbit that comes to rest at a saddle or"
-                f" a fold of equilibria: it is {period:.4g} at {here}"
+                "the period grows without bound, as at an orbit that comes to rest at a saddle, a"
+                " fold of equilibria, or a rest that reaches a surface: it is"
+                f" {period:.4g} at {here}"
             )
         else:
             assert ended is not None
             return ended
         return Followed("unbounded", f"{told}, from where {name} moves less and less")
 
+    def shrunk(self, ended: Followed) -> BranchPart | None:
+        """The point to which the orbits have shrunk with their periods; None if to none.
+
+        It has the multipliers and the durations of the last cycle.
+        """
+        options = self.options
+        if not options.autonomous or ended.ended not in _SHORT_STEPS:
+            return None
+        cycles = [(part.value, part.looked.turn) for part in self._parts]
+        if not cycles or not self._parts[-1].word.closes_at_event:
+            return None
+        drifting = np.array([name in options.system.drift_states for name in options.system.states])
+        found = end_of_short_cycles(cycles, drifting, options.bounds)
+        if found is None:
+            return None
+        value, state = found
+        part = self._parts[-1]
+        values = part.looked.values.copy()
+        values[list(options.system.parameters).index(options.parameter)] = value
+        turn = replace(part.looked.turn, states=np.tile(state, (len(part.word), 1)))
+        return replace(
+            part, looked=replace(part.looked, turn=turn, values=values), value=value,
+            special="pseudo_hopf", detail=f"{SHRINKS} as its period does", test="shrink",
+        )  # fmt: skip
+
     def _grows_for_ever(self, column: int, factor: float) -> bool:
-        """Whether a column goes up over the last points while the parameter comes to a limit."""
+        """Whether a column goes up over the last points while the parameter comes to a limit.
+
+        By the ways of the parameter over both halves of the growth, whatever the steps were: where
+        the limit of the parameter is one of a finite column they are alike.
+        """
         if len(self._last) <= 2 * _WINDOW:
             return False
         values = np.array(self._last)
         p, growing = values[:, 0], np.log(values[:, column])
-        before, after = (abs(part[-1] - part[0]) for part in (p[: _WINDOW + 1], p[_WINDOW:]))
+        if np.any(np.diff(growing) <= 0.0) or growing[-1] - growing[0] < np.log(factor):
+            return False
+        middle = np.interp(0.5 * (growing[0] + growing[-1]), growing, p)
+        before, after = abs(middle - p[0]), abs(p[-1] - middle)
         low, high = self.options.bounds
-        comes_to_limit = after <= _NEARER * before and before + after <= _STILL * (high - low)
-        first, second = growing[_WINDOW] - growing[0], growing[-1] - growing[_WINDOW]
-        grows = bool(np.all(np.diff(growing) > 0.0)) and first + second >= np.log(factor)
-        return bool(comes_to_limit and grows and second >= _GOES_ON * first)
+        return bool(after <= _NEARER * before and before + after <= _STILL * (high - low))

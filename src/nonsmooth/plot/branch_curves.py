@@ -55,6 +55,7 @@ _MARKS: dict[str, tuple[str, str]] = {
     "sliding": ("<", PALETTE["green"]),
     "hopf": (">", PALETTE["blue"]),
     "boundary_equilibrium": (">", PALETTE["orange"]),
+    "pseudo_hopf": (">", PALETTE["vermilion"]),
     "word_change": ("h", "white"),
     "cusp": ("*", PALETTE["vermilion"]),
     "fold_flip": ("h", PALETTE["sky"]),

@@ -10,10 +10,20 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.basins.attractor import Attractor
+from nonsmooth.analysis.basins.attractor_search import (
+    ENDED,
+    INADMISSIBLE,
+    NOT_COMPUTED,
+    RECURRED,
+    UNSETTLED,
+    SearchOptions,
+    SettledStarts,
+)
 from nonsmooth.analysis.statistics.escape import escape_rate_below, said_of_chaos
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.section_runner import NEVER_CROSSES
 from nonsmooth.runs.strobe_runner import StrobeRunner
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
@@ -39,6 +49,7 @@ _LATER = 1.5  # periods: half a period, and one in which nothing but a period go
 Integers = npt.NDArray[np.int64]
 
 _OF_EACH = ("attractor",)
+_COARSER = 8  # times larger cells are worth a try where motions do not come back to theirs
 
 
 def has_images(chosen: Any) -> bool:
@@ -201,13 +212,10 @@ def share_error(share: Any, count: int) -> Any:
 
 
 def search_message(
-    what: str, unsettled: int, ended: int, attractors: Sequence[Attractor], unreturned: int = 0,
-    chosen: Any = None,
+    what: str, settled: SettledStarts, attractors: Sequence[Attractor], how: SearchOptions,
+    chosen: Any,
 ) -> str:  # fmt: skip
-    """What a finished search of a map says of its starts or cells, and of what it has found.
-
-    Those that do not return to their section are some of those that ended.
-    """
+    """What a finished search of a map says of its starts or cells, and of what it has found."""
     said, found = [], len(attractors)
     slow = sum(each.kind == "aperiodic" and each.exponent < 0.0 for each in attractors)
     if slow:
@@ -215,29 +223,68 @@ def search_message(
             f"{slow} of {found} attractors are aperiodic with an exponent below zero, so their"
             " motions converge, perhaps to a long cycle: raise longest= and record="
         )
-    if unsettled:
+    unsettled = settled.ending[settled.label == UNSETTLED]
+    said += _said_of_unsettled(what, unsettled, how)
+    strobes = isinstance(chosen, StroboscopicMap)
+    if unsettled.size and strobes and not is_driven(build_tables(chosen.system)):
         said.append(
-            f"{unsettled} {what} came to no attractor: they stay on a motion that is not stable, or"
-            " come near one too slowly; for the second, raise longest= and record="
+            "no equation reads the time, so strobes leave open at which phase a motion is:"
+            " take a PoincareMap of a section or an event"
         )
-        if isinstance(chosen, StroboscopicMap) and not is_driven(build_tables(chosen.system)):
-            said.append(
-                "no equation reads the time, so strobes leave open at which phase a motion is:"
-                " take a PoincareMap of a section or an event"
-            )
-    if unreturned:
-        said.append(said_of_unreturned(what, unreturned))
-        ended -= unreturned
-    if ended and not (found or unreturned):
-        said.append(f"no attractors: all {what} ended early; simulate one of them to see why")
-    elif ended:
-        said.append(f"{ended} {what} ended early, as their motions diverge or come to rest")
+    said += _said_of_ended(what, settled)
     horizons = [each.chaotic_for for each in attractors if each.chaotic_for]
     told = "; ".join(said) or "completed"
     if not horizons:
         return told
     how_many = "1 attractor is" if len(horizons) == 1 else f"{len(horizons)} attractors are"
     return f"{told}; {how_many} {said_of_chaos(min(horizons), 'iterate')}"
+
+
+def _said_of_unsettled(what: str, ending: Integers, how: SearchOptions) -> list[str]:
+    """What is said of starts that came to no attractor, and went on until the end."""
+    said = []
+    stays = int(np.sum(ending == RECURRED))
+    wanders = ending.size - stays
+    if stays:
+        said.append(
+            f"{stays} {what} came to no attractor: they stay on a motion that is not stable, or"
+            " come near one too slowly; for the second, raise longest= and record="
+        )
+    if wanders:
+        fewer = f", such as {how.cells // _COARSER}," if how.cells >= 2 * _COARSER else ""
+        said.append(
+            f"{wanders} {what} came to no attractor, as their motions hardly came back to cells"
+            f" where they had been in longest = {how.longest} iterates: a transient that is longer,"
+            " a state that grows without limit, or chaos over so many states that it needs larger"
+            f" cells; give fewer cells={fewer} in place of {how.cells}, raise longest=, or name"
+            " what grows in drift="
+        )
+    return said
+
+
+def _said_of_ended(what: str, settled: SettledStarts) -> list[str]:
+    """What is said of starts whose motions ended, by which statuses as far as they are known.
+
+    Those that do not return to their section are told by themselves.
+    """
+    endings = settled.endings
+    unreturned = endings.pop(NEVER_CROSSES, 0)
+    said = [said_of_unreturned(what, unreturned)] if unreturned else []
+    ended = int(np.sum(settled.label == ENDED)) - unreturned
+    if not ended:
+        return said
+    if len(endings) == 1:
+        words = next(iter(endings)).word
+    elif sum(endings.values()) == ended:
+        words = ", ".join(f"{count} {status.word}" for status, count in endings.items())
+    else:  # cells from which motions come to others, where they end
+        words = ", ".join(status.word for status in endings)
+    running = np.isin(settled.label, (INADMISSIBLE, NOT_COMPUTED), invert=True)
+    everything = ended == int(np.sum(running))
+    how_many = f"no attractors: all {what}" if everything else f"{ended} {what}"
+    told = f": {words}" if words else ""
+    said.append(f"{how_many} ended early{told}; simulate one of them to see where and why")
+    return said
 
 
 def said_of_unreturned(what: str, count: int) -> str:

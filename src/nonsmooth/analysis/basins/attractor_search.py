@@ -7,7 +7,7 @@ of images, and thousands of starts at one set of parameter values share their ta
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import astuple, dataclass
 from typing import Any
 
@@ -40,6 +40,8 @@ __all__ = [
     "ENDED",
     "FIRST_LOOK",
     "INADMISSIBLE",
+    "NOT_COMPUTED",
+    "RECURRED",
     "UNSETTLED",
     "AttractorSearch",
     "SearchOptions",
@@ -65,6 +67,8 @@ _POINTS = 3  # of a long cycle that are tried
 
 # labels of lanes that come to no attractor
 UNSETTLED, ENDED, INADMISSIBLE = 0, -1, -2
+NOT_COMPUTED = -3  # label of a cell that an interruption left out
+RECURRED = -1  # in place of the status of an unsettled lane that came back to where it had been
 FIRST_LOOK, _LARGEST = 64, 512  # images in the first block, whose spread tells units, and in others
 _TOLD = 8  # images of the first block after which it says how far it is
 _AHEAD = 32  # lanes that run before the others
@@ -205,6 +209,32 @@ class SettledStarts:
 
     label: Integers  # (L,): attractor from 1 on, or one of the above
     needed: Integers  # (L,): images until that was known
+    ending: Integers  # (L,): status of those that ended, if known; RECURRED of some; else 0
+
+    @classmethod
+    def of(cls, label: Integers) -> SettledStarts:
+        """Lanes of which no more is known than their labels."""
+        return cls(label, np.zeros(len(label), np.int64), np.zeros(len(label), np.int64))
+
+    @classmethod
+    def of_arrays(cls, arrays: Mapping[str, Any], prefix: str = "") -> SettledStarts:
+        """What a file holds; those of older versions do not tell how motions ended."""
+        label, needed = arrays[f"{prefix}label"], arrays[f"{prefix}needed"]
+        ending = arrays.get(f"{prefix}ending")
+        return cls(label, needed, np.zeros(len(label), np.int64) if ending is None else ending)
+
+    @property
+    def endings(self) -> dict[Status, int]:
+        """How many motions ended by each status, the most frequent first, as far as it is known."""
+        found = self.ending[self.label == ENDED]
+        values, counts = np.unique(found[found > 0], return_counts=True)
+        order = np.argsort(-counts, kind="stable")
+        return {Status(int(values[i])): int(counts[i]) for i in order}
+
+    @property
+    def unreturned(self) -> int:
+        """How many of those that ended stay away from their section."""
+        return self.endings.get(NEVER_CROSSES, 0)
 
 
 @dataclass(frozen=True)
@@ -278,7 +308,6 @@ class AttractorSearch:
         self.match, self.longest, self.record = match, longest, record
         self.exponent_steps = exponent_steps
         self._tell = tell  # how many lanes have come to their end
-        self.unreturned = 0  # of the lanes that have ended, those that stay away from their section
 
     def settle(
         self, states: Floats, modes: Integers | int = ANY, stop: threading.Event | None = None
@@ -321,7 +350,7 @@ class AttractorSearch:
         Those that have begun are behind their ``first`` images and the modes of these.
         """
         count = len(lanes.status)
-        label, needed = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        label, needed, ending = (np.zeros(count, np.int64) for _ in range(3))
         left, visits, done = np.arange(count), new_visits(count), 0
         history = np.zeros((count, 0), np.int64)
         while left.size and done < self.longest:
@@ -337,6 +366,7 @@ class AttractorSearch:
                 if visits.label[i] == 0 and going_on[i] and self._recurs(history[i]):
                     number, is_new = self._analyse(images[i, -1], int(image_modes[i, -1]), stop)
                     visits.label[i], visits.needed[i] = number, done + block
+                    ending[left[i]] = 0 if number else RECURRED
                     if is_new:
                         later = visits.part(slice(i + 1, None))
                         visit(images[i + 1 :], done + 1, self.known.landmarks(), later)
@@ -345,18 +375,18 @@ class AttractorSearch:
                         confirm_visits(self.runner, rest, images[i + 1 :, -1], cycles, later)
             done += block
             ended = ~going_on & (visits.label == 0)
-            self.unreturned += int(np.sum(ended & (lanes.status == NEVER_CROSSES)))
             refused = lanes.status == Status.INADMISSIBLE
             visits.label[ended] = np.where(
                 refused & np.isnan(images[:, 0, 0]), INADMISSIBLE, ENDED
             )[ended]
             label[left], needed[left] = visits.label, visits.needed
+            ending[left[ended]] = lanes.status[ended]
             kept = np.flatnonzero(visits.label == 0)
             left, lanes, history = left[kept], lanes.select(kept), history[kept]
             visits = visits.part(kept)
             self._tell(before + count - left.size)
         needed[left] = done
-        return SettledStarts(label, needed)
+        return SettledStarts(label, needed, ending)
 
     def _recurs(self, history: Integers) -> bool:
         return history.size > _RETURNS and share_of_new(history, _RETURNS) <= _NEW
@@ -485,8 +515,9 @@ def find_attractors(
     images = np.concatenate([look.images for look in looks])
     returns = np.concatenate([look.lanes.status for look in looks]) != NEVER_CROSSES
     known = Known(measure_of(images, starts, drifting, how.cells))
-    complete, settled = True, SettledStarts(np.zeros(0, np.int64), np.zeros(0, np.int64))
+    complete, settled = True, SettledStarts.of(np.zeros(0, np.int64))
     label, needed = np.full(len(starts), ENDED), np.isfinite(images[:, :, 0]).sum(axis=1)
+    ending = np.full(len(starts), int(NEVER_CROSSES))
     with Progress("attractors", int(np.sum(returns))) as progress:
         search = search_among(
             chosen, known, how, (lambda _: None) if silent else progress.update, runner
@@ -494,10 +525,10 @@ def find_attractors(
         try:
             found = search.settle_on([look.returning() for look in looks])
             label[returns], needed[returns] = found.label, found.needed
-            settled = SettledStarts(label, needed)
+            ending[returns] = found.ending
+            settled = SettledStarts(label, needed, ending)
         except KeyboardInterrupt:
             complete = False
-    search.unreturned += int(np.sum(~returns))
     return FoundAttractors(known, search, settled, drawn, complete)
 
 

@@ -14,12 +14,13 @@ from scipy import ndimage
 from nonsmooth.analysis.basins.attractor_search import (
     ENDED,
     INADMISSIBLE,
+    NOT_COMPUTED,
     UNSETTLED,
     AttractorSearch,
     SearchOptions,
     SettledStarts,
 )
-from nonsmooth.analysis.basins.by_recurrences import NOT_COMPUTED, Basins, look_closer, search_from
+from nonsmooth.analysis.basins.by_recurrences import Basins, look_closer, search_from
 from nonsmooth.analysis.basins.folded_runner import runner_within_turns
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.engine.lanes import ANY, SAME
@@ -61,6 +62,7 @@ class CellImages:
     modes: Integers  # (K,)
     image: Integers  # (K,): cell, or one of the above
     landing: Floats  # (K, n): point that lies in it
+    ending: Integers  # (K,): status of motions that ended, else 0
 
 
 class CellMap:
@@ -70,6 +72,7 @@ class CellMap:
         self.grid = grid
         self.states = grid.states(np.arange(grid.size))  # that stand for the cells
         self.image = np.full(grid.size, REFUSED, np.int64)
+        self.ending = np.zeros(grid.size, np.int64)  # status of motions that ended
         self.iterates = 0
         self._points, self._landing = self.states.copy(), self.states.copy()
         self._modes = np.full(grid.size, ANY, np.int64)
@@ -103,6 +106,7 @@ class CellMap:
             chosen = cells[places]
             self._points[chosen], self._modes[chosen] = part.points, part.modes
             self.image[chosen], self._landing[chosen] = part.image, part.landing
+            self.ending[chosen] = part.ending
 
         points, modes = self._points[cells], self._modes[cells]
         return map_points(
@@ -165,6 +169,7 @@ def _part(
     image[lanes.status == Status.INADMISSIBLE] = REFUSED
     image[going_on] = grid.cells(images[going_on][:, columns])
     landing, outside = images.copy(), np.flatnonzero(going_on & (image == NOWHERE))
+    ending = np.where(going_on, 0, lanes.status).astype(np.int64)
     lanes = lanes.select(outside)
     for _ in range(most):
         if not outside.size:
@@ -176,9 +181,10 @@ def _part(
         going_on = lanes.status == Status.COMPLETED
         here[going_on] = grid.cells(later[going_on][:, columns])
         image[outside], landing[outside] = here, later
+        ending[outside[~going_on]] = lanes.status[~going_on]
         kept = np.flatnonzero(here == NOWHERE)
         outside, lanes = outside[kept], lanes.select(kept)
-    return CellImages(images, image_modes, image, landing)
+    return CellImages(images, image_modes, image, landing, ending)
 
 
 @dataclass(frozen=True)
@@ -272,28 +278,22 @@ def by_cell_mapping(
 ) -> Basins:
     """Map cells to cells, and follow the cycles of that map by the exact one."""
     cells = CellMap(grid, lambda: runner_within_turns(chosen, how.tolerance, grid), threads)
-    label, steps = np.full(grid.size, NOT_COMPUTED), np.zeros(grid.size, np.int64)
+    settled = SettledStarts.of(np.full(grid.size, NOT_COMPUTED))
     search, changes = None, Changes(grid)
     for _ in range(DOUBLINGS):
         if not cells.double():
-            return Basins(
-                [] if search is None else search.known.attractors,
-                SettledStarts(label, steps),
-                False,
-            )
+            return Basins([] if search is None else search.known.attractors, settled, False)
         if search is None:
             search = search_from(chosen, cells.states[cells.image != REFUSED], how)
         cycles = cycles_of(cells.image)
         try:
-            before, label = label, _labels(search, cells, cycles)
+            before, settled = settled, _settled(search, cells, cycles)
         except KeyboardInterrupt:
-            return Basins(search.known.attractors, SettledStarts(label, steps), False)
-        steps = cycles.steps * cells.iterates
-        changes.note(before, label)
+            return Basins(search.known.attractors, settled, False)
+        changes.note(before.label, settled.label)
         if changes.have_ended(cells.iterates):
             break
     assert search is not None
-    settled = SettledStarts(label, steps)
     complete = look_closer(search, grid, settled)
     notes = {"iterates_per_cell": cells.iterates, "changed_by_doubling": changes.last}
     remark = ""
@@ -306,12 +306,14 @@ def by_cell_mapping(
     return Basins(search.known.attractors, settled, complete, notes=notes, remark=remark)
 
 
-def _labels(search: AttractorSearch, cells: CellMap, cycles: CellCycles) -> Integers:
-    """Label of each cell: of the attractor to which a centre of its cycle comes."""
+def _settled(search: AttractorSearch, cells: CellMap, cycles: CellCycles) -> SettledStarts:
+    """What each cell comes to: the attractor to which a centre of its cycle does."""
     label = np.full(cells.image.size, UNSETTLED, np.int64)
+    ending = cells.ending.copy()
     if cycles.first.size:
-        reached = search.settle(cells.states[cycles.first]).label
-        label = np.where(cycles.of_cell >= 0, reached[cycles.of_cell], UNSETTLED)
+        reached, in_cycle = search.settle(cells.states[cycles.first]), cycles.of_cell >= 0
+        label[in_cycle] = reached.label[cycles.of_cell[in_cycle]]
+        ending[in_cycle] = reached.ending[cycles.of_cell[in_cycle]]
     label[cells.image == ENDS] = ENDED
     label[cells.image == REFUSED] = INADMISSIBLE
-    return label
+    return SettledStarts(label, cycles.steps * cells.iterates, ending)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from scipy.sparse.linalg import splu
 from nonsmooth.analysis.basins.attractor_search import (
     ENDED,
     INADMISSIBLE,
+    NOT_COMPUTED,
     UNSETTLED,
     AttractorSearch,
     SearchOptions,
@@ -30,7 +32,7 @@ from nonsmooth.analysis.basins.by_cell_mapping import (
     cycles_of,
     map_points,
 )
-from nonsmooth.analysis.basins.by_recurrences import NOT_COMPUTED, Basins, search_from
+from nonsmooth.analysis.basins.by_recurrences import Basins, search_from
 from nonsmooth.analysis.basins.folded_runner import runner_within_turns
 from nonsmooth.analysis.basins.recurrences import Known, new_visits
 from nonsmooth.analysis.basins.region import Grid
@@ -102,6 +104,7 @@ class CellPoints:
         self.centre = np.full(grid.size, -1, np.int64)  # number of the point that does
         self.source = np.zeros(0, np.int64)  # cell of each point
         self.image = np.zeros(0, np.int64)  # cell in which it lies now
+        self.ending = np.zeros(0, np.int64)  # status of its motion where that ended, else 0
         self.owner = np.zeros(0, np.int64)  # attractor at which it is now, 0 for none
         self._seen = np.zeros(0, np.int64)  # at which it was before
         self._points = np.zeros((0, self.states.shape[1]))
@@ -120,7 +123,7 @@ class CellPoints:
         points, modes = self._points[moving], SAME - self._modes[moving]
         part, complete = self._mapped(points, modes, count)
         self._points[moving], self._modes[moving] = part.points, part.modes
-        self.image[moving] = part.image
+        self.image[moving], self.ending[moving] = part.image, part.ending
         return complete
 
     def recognise(self, known: Known) -> None:
@@ -160,6 +163,7 @@ class CellPoints:
             self.centre[cells] = place[order[first]]
             self.source = np.concatenate([self.source, source[admitted]])
             self.image = np.concatenate([self.image, part.image[admitted]])
+            self.ending = np.concatenate([self.ending, part.ending[admitted]])
             self._points = np.concatenate([self._points, part.points[admitted]])
             self._modes = np.concatenate([self._modes, part.modes[admitted]])
             to = np.flatnonzero(part.image >= 0)
@@ -174,8 +178,9 @@ class CellPoints:
     def _mapped(self, points: Floats, modes: Integers, count: int) -> tuple[CellImages, bool]:
         total = len(points)
         whole = CellImages(
-            points.copy(), np.full(total, ANY), np.full(total, NOWHERE, np.int64), points.copy()
-        )
+            points.copy(), np.full(total, ANY), np.full(total, NOWHERE, np.int64), points.copy(),
+            np.zeros(total, np.int64),
+        )  # fmt: skip
 
         def keep(places: Integers, part: CellImages) -> None:
             for mine, theirs in zip(vars(whole).values(), vars(part).values(), strict=True):
@@ -213,7 +218,7 @@ def by_cell_shares(
     except KeyboardInterrupt:
         if shared is None:
             nothing = np.full(grid.size, NOT_COMPUTED)
-            return Basins([], SettledStarts(nothing, np.zeros_like(nothing)), False)
+            return Basins([], SettledStarts.of(nothing), False)
         return shared.basins(complete=False)
     return shared.basins(complete=True)
 
@@ -227,7 +232,9 @@ class _Shares:
         self.probability = np.full(count, np.nan)
         self.changes = Changes(cells.grid)
         self._nowhere = 1.0  # part of the cells that come to no attractor yet
-        self._exact = np.full(count, NOT_COMPUTED)  # labels of the states that stand for cells
+        # what the states that stand for cells come to
+        self._exact = np.full(count, NOT_COMPUTED)
+        self._ending = np.zeros(count, np.int64)
 
     @property
     def is_settled(self) -> bool:
@@ -283,7 +290,10 @@ class _Shares:
                 f" to no attractor, and the last doubling changed {self.changes.last:.2%} of the"
                 " labels away from borders; take finer cells, or method='recurrences'"
             )
-        settled = SettledStarts(self.label, np.zeros(self.label.size, np.int64))
+        ending = np.where(self.label <= UNSETTLED, self._ending, 0)
+        ended = np.flatnonzero(cells.ending > 0)
+        ending[cells.source[ended]] = cells.ending[ended]
+        settled = replace(SettledStarts.of(self.label), ending=ending)
         return Basins(found, settled, complete, self.probability, notes, "; ".join(remarks))
 
     def _search(self) -> None:
@@ -316,7 +326,8 @@ class _Shares:
     def _settle(self, cells: Integers) -> None:
         new = cells[self._exact[cells] == NOT_COMPUTED]
         if new.size:
-            self._exact[new] = self.search.settle(self.cells.states[new]).label
+            found = self.search.settle(self.cells.states[new])
+            self._exact[new], self._ending[new] = found.label, found.ending
 
     def _matrix(self, owner: Integers, found: int) -> Any:
         """Chain of the cells, with more cells that nothing leaves: see `_follow`."""

@@ -16,6 +16,7 @@ from nonsmooth.analysis.basins.attractor_search import (
     ENDED,
     FIRST_LOOK,
     INADMISSIBLE,
+    NOT_COMPUTED,
     UNSETTLED,
     AttractorSearch,
     FoundAttractors,
@@ -38,14 +39,12 @@ from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.stored_tasks import run_stored_tasks
 
 __all__ = [
-    "NOT_COMPUTED", "Basins", "by_recurrences", "label_grid", "label_starts", "look_closer",
-    "search_from",
+    "Basins", "by_recurrences", "label_grid", "label_starts", "look_closer", "search_from",
 ]  # fmt: skip
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
-NOT_COMPUTED = -3  # label of a cell that an interruption left out
 _TOGETHER = 1024  # starts in a task: some hundredths of a second of work
 _ON_DEVICE = 2**17  # the same on a graphics device
 _BLOCK = 16  # images between two looks at who has come to an attractor
@@ -71,27 +70,32 @@ def label_starts(
 
     Those that come to no known attractor are `UNSETTLED`. Returns also whether all were done.
     """
-    label = np.full(count, NOT_COMPUTED, np.int64)
-    needed = np.zeros(count, np.int64)
+    settled = SettledStarts.of(np.full(count, NOT_COMPUTED, np.int64))
     if together == _ON_DEVICE:
         protocol = {**protocol, "device": "gpu"}  # whose tasks are others
     chunks = [np.arange(i, min(i + together, count)) for i in range(0, count, together)]
 
-    def keep(i: int, settled: SettledStarts) -> None:
-        label[chunks[i]], needed[chunks[i]] = settled.label, settled.needed
+    def keep(i: int, part: SettledStarts) -> None:
+        _put(settled, chunks[i], part)
 
     complete = run_stored_tasks(
         [_task(states, chunk, marks, cycles, min(longest, _PATIENCE)) for chunk in chunks],
         make_runner,
         store=store,
         protocol=protocol,
-        pack=lambda settled: {"label": settled.label, "needed": settled.needed},
-        unpack=lambda arrays: SettledStarts(arrays["label"], arrays["needed"]),
+        pack=lambda part: dict(vars(part)),
+        unpack=SettledStarts.of_arrays,
         threads=threads,
         label="basins",
         keep=keep,
     )
-    return SettledStarts(label, needed), complete
+    return settled, complete
+
+
+def _put(settled: SettledStarts, places: Integers, part: SettledStarts) -> None:
+    """Put what some starts came to in its place."""
+    for name, values in vars(part).items():
+        getattr(settled, name)[places] = values
 
 
 def _task(
@@ -118,6 +122,7 @@ def _label(
     """Labels of some starts by one runner."""
     count = len(starts)
     label, needed = np.full(count, UNSETTLED, np.int64), np.full(count, longest, np.int64)
+    ending = np.zeros(count, np.int64)
     lanes, left, visits, done = runner.start(starts), np.arange(count), new_visits(count), 0
     while left.size and done < longest:
         if stop.is_set():
@@ -131,12 +136,12 @@ def _label(
         lost = ended & ~arrived
         refused = (lanes.status == Status.INADMISSIBLE) & np.isnan(images[:, 0, 0])
         label[left[lost]] = np.where(refused[lost], INADMISSIBLE, ENDED)
-        needed[left[lost]] = done
+        needed[left[lost]], ending[left[lost]] = done, lanes.status[lost]
         kept = np.flatnonzero(~arrived & ~ended)
         done += images.shape[1]
         left, lanes = left[kept], lanes.select(kept)
         visits = visits.part(kept)
-    return SettledStarts(label, needed)
+    return SettledStarts(label, needed, ending)
 
 
 @dataclass(frozen=True)
@@ -158,8 +163,7 @@ def look_closer(search: AttractorSearch, grid: Grid, settled: SettledStarts) -> 
         try:
             for i in range(0, left.size, _AT_ONCE):
                 some = left[i : i + _AT_ONCE]
-                result = search.settle(grid.states(some))
-                settled.label[some], settled.needed[some] = result.label, result.needed
+                _put(settled, some, search.settle(grid.states(some)))
                 progress.update(i + some.size)
         except KeyboardInterrupt:
             return False
@@ -193,7 +197,7 @@ def by_recurrences(
     found = find_attractors(chosen, Box(ends[:, 0], ends[:, 1], grid.completion), how)
     if not found.complete:
         nothing = np.full(grid.size, NOT_COMPUTED)
-        return Basins(found.known.attractors, SettledStarts(nothing, np.zeros_like(nothing)), False)
+        return Basins(found.known.attractors, SettledStarts.of(nothing), False)
     return label_grid(chosen, grid, found, how, shared, protocol)
 
 

@@ -133,7 +133,7 @@ def _packed(columns: list[Column]) -> dict[str, npt.NDArray[Any]]:
     for k, column in enumerate(columns):
         found = column.found
         arrays |= {
-            f"{k}.label": found.settled.label, f"{k}.needed": found.settled.needed,
+            **{f"{k}.{name}": values for name, values in vars(found.settled).items()},
             f"{k}.drawn": np.array(found.drawn), f"{k}.from_below": column.from_below,
             f"{k}.from_above": column.from_above, **pack_known(found.known, f"{k}.known."),
         }  # fmt: skip
@@ -147,7 +147,7 @@ def _unpacked(
     columns = []
     for k, (value, chosen) in enumerate(maps):
         known = unpack_known(arrays, f"{k}.known.")
-        settled = SettledStarts(arrays[f"{k}.label"], arrays[f"{k}.needed"])
+        settled = SettledStarts.of_arrays(arrays, f"{k}.")
         drawn = int(arrays[f"{k}.drawn"])
         found = FoundAttractors(known, search_among(chosen, known, how), settled, drawn, True)
         columns.append(Column(value, found, arrays[f"{k}.from_below"], arrays[f"{k}.from_above"]))
