@@ -20,6 +20,7 @@ __all__ = ["begin", "scaled_direction"]
 
 _SMALLEST_RANK = 1e-6  # singular values below this part of the largest count as zero at a start
 _FAR = 0.1  # scaled distance, from the given start, of one that is still meant by it
+_STILL = 1e-10  # of a unit tangent: rounding
 _STRAIGHT = 0.2  # angle up to which a given direction is taken for that of the branch
 
 
@@ -56,7 +57,19 @@ def _first_node(corrector: Corrector, u: Array, p: float, ahead: Array, given: b
         found = corrector.at_parameter(u, p)
     except Refused:
         found = _nearest(corrector, u, p, at)
-    return corrector.onto_bound(found.turned(ahead))
+    return corrector.onto_bound(found.turned(_told_way(found.tangent, ahead)))
+
+
+def _told_way(tangent: Array, ahead: Array) -> Array:
+    """The way ahead, by the unknown that changes most where the parameter only does by rounding.
+
+    So both ways of such a branch are opposite ones.
+    """
+    if abs(float(tangent[-1])) > _STILL:
+        return ahead
+    way = np.zeros_like(ahead)
+    way[int(np.argmax(np.abs(tangent)))] = ahead[-1]
+    return way
 
 
 def _at(corrector: Corrector, u: Array, p: float) -> Linearised:
