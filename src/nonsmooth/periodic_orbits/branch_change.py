@@ -57,6 +57,8 @@ _FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 _APPEARS = 1e-6  # part of the turn that a leg lasts where a branch with it begins
 SHRINKS = "the cycle shrinks to a point"
 _ENDS = {
+    "rest": "rebounds end just at the release, and beyond it not before: rest is lost, and"
+    " infinitely many orbits begin there",
     "shrink": SHRINKS,
     "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
     "enter": "the surface does not hold the motion any more: beyond, it leaves it at once",
@@ -67,6 +69,7 @@ _AT_BORDER = {
 }
 _MOST_TELLING = (
     "shrink",
+    "rest",
     "slide",
     "short",
     "leg",
@@ -256,13 +259,15 @@ def change_at(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> tuple[BranchStart | None, BranchPart | None]:
     """How a branch goes on behind a change of its word, and the point there if it is special."""
-    for way_on in (
+    ways = [
         _with_other_rebounds,
         _by_change_of_word,
         _by_motion_beyond,
         _by_settled_motion,
         _by_cycle_beyond,
-    ):
+    ]
+    # of infinitely many orbits that begin where rest ends none is the nearest one
+    for way_on in [] if what_of(point.special) == "rest" else ways:
         found = way_on(stretch, point, looked, along)
         if found is not None:
             return found
