@@ -45,7 +45,7 @@ from nonsmooth.periodic_orbits.word_change import (
 )
 from nonsmooth.system.system import System
 
-__all__ = ["SHRINKS", "broken_test", "change_at", "end_at"]
+__all__ = ["SHRINKS", "broken_test", "change_at", "end_at", "past_rebounds"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -53,6 +53,8 @@ _AT_SECTION = ("leg:0", "leg:last")
 _BEYOND = 1e-6  # of the range of the parameter: an impact at the section is on one side of it there
 _INSIDE = 1e-9  # of the way to the middle of an orbit, which is forgotten at rest
 _SHORT = 1e-3  # of the turn: flights at the section behind which no rebound counts by itself
+_NEXT = (1e-7, 1e-6, 1e-5, 1e-4)  # of the range of the parameter
+_ALIKE = 0.1  # part of the duration of a leg by which it differs there at most
 _FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 _APPEARS = 1e-6  # part of the turn that a leg lasts where a branch with it begins
 SHRINKS = "the cycle shrinks to a point"
@@ -203,6 +205,30 @@ def _within_chatter(stretch: BranchStretch, looked: Looked, point: Point) -> Bra
     if guess is None or guess.word == word:
         return None
     return _start(stretch, guess, value, point)
+
+
+def past_rebounds(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
+    """The same orbit a little beyond, where no step succeeds although nothing happens to it.
+
+    Rounding of the last rebounds before rest may let none succeed. That the motion has as many of
+    them there, of the same durations, tells that it is the same orbit.
+    """
+    word, durations = stretch.equations.word, looked.turn.durations
+    if not chatters(word.modes, word.paths, stretch.legs.tables.wiring):
+        return None
+    low, high = stretch.options.bounds
+    for part in _NEXT:
+        value = point.p + _way(point) * part * (high - low)
+        stretch.set_parameter(point.p)
+        guess = _same_motion_at(stretch, looked, value)
+        if guess is None or guess.word != word:
+            return None
+        if np.any(np.abs(guess.turn.durations - durations) > _ALIKE * durations):
+            return None
+        start = _start(stretch, guess, value, point)
+        if start is not None and goes_on(stretch, start):
+            return start
+    return None
 
 
 def _same_motion_at(stretch: BranchStretch, looked: Looked, value: float) -> Guess | None:
