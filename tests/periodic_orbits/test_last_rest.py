@@ -4,6 +4,7 @@ import pytest
 from mpmath import mp, mpf
 
 import nonsmooth as ns
+from nonsmooth.errors import OptionError
 from periodic_orbits.references.last_rest import (
     CAM_SPEED,
     TABLE,
@@ -90,6 +91,18 @@ def test_the_branch_ends_at_the_last_rest():
     assert value == pytest.approx(float(CAM_SPEED), rel=1e-11)
     assert "rebounds end just at the release" in branch.attrs["message"]
     assert set(branch["special_kind"].values) == {"lost"}
+    with pytest.raises(OptionError, match="rounding of the last rebounds"):
+        ns.continue_special(branch, 0, "r", (0.25, 0.35))
+
+
+@pytest.mark.slow
+def test_the_last_rest_from_the_other_side():
+    """Behind it grazes accumulate; motions that rest tell where that is."""
+    branch = ns.continue_orbit(
+        cam_follower(248.092), "w", (248.0, 248.2), direction="down", transient=400
+    )
+    places = dict(zip(branch["special_kind"].values, branch["special_value"].values, strict=True))
+    assert places["lost"] == pytest.approx(float(CAM_SPEED), rel=1e-11)
 
 
 @pytest.mark.few(1)
