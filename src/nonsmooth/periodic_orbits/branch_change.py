@@ -210,25 +210,47 @@ def _within_chatter(stretch: BranchStretch, looked: Looked, point: Point) -> Bra
 def past_rebounds(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
     """The same orbit a little beyond, where no step succeeds although nothing happens to it.
 
-    Rounding of the last rebounds before rest may let none succeed. That the motion has as many of
-    them there, of the same durations, tells that it is the same orbit.
+    Rounding of the last rebounds before rest may let none succeed. That the motion has the others
+    there, of the same durations, tells that it is the same orbit.
     """
-    word, durations = stretch.equations.word, looked.turn.durations
-    if not chatters(word.modes, word.paths, stretch.legs.tables.wiring):
+    word = stretch.equations.word
+    if _section_in_chatter(stretch, word):
         return None
     low, high = stretch.options.bounds
-    for part in _NEXT:
+    here = _durations(stretch, Guess(word, looked.turn))
+    for part in _NEXT if here else ():
         value = point.p + _way(point) * part * (high - low)
         stretch.set_parameter(point.p)
         guess = _same_motion_at(stretch, looked, value)
-        if guess is None or guess.word != word:
+        if guess is None or _section_in_chatter(stretch, guess.word):
             return None
-        if np.any(np.abs(guess.turn.durations - durations) > _ALIKE * durations):
+        there = _durations(stretch, guess)
+        if len(here) != len(there) or any(map(_are_apart, here, there)):
             return None
         start = _start(stretch, guess, value, point)
-        if start is not None and goes_on(stretch, start):
+        if start is not None and goes_on(stretch, replace(start, kind="")):
             return start
     return None
+
+
+def _durations(stretch: BranchStretch, guess: Guess) -> list[Floats]:
+    """Durations of rebounds before each rest, and of what lies between; without those of rest.
+
+    Rest begins where the last rebound that is followed ends. None where there is no such rest.
+    """
+    word, (_, turn) = guess.word, guess
+    found, begin = [], 0
+    for legs in chatters(word.modes, word.paths, stretch.legs.tables.wiring):
+        found += [turn.durations[begin : legs[0]], turn.durations[legs]]
+        begin = legs[-1] + 2
+    return [*found, turn.durations[begin:]] if found else []
+
+
+def _are_apart(these: Floats, those: Floats) -> bool:
+    """Whether durations differ, as far as both go on."""
+    count = min(these.size, those.size)
+    these, those = these[:count], those[:count]
+    return bool(np.any(np.abs(these - those) > _ALIKE * np.abs(these)))
 
 
 def _same_motion_at(stretch: BranchStretch, looked: Looked, value: float) -> Guess | None:
@@ -355,10 +377,19 @@ def _by_motion_beyond(
             start.kind = "section"  # nothing happens but that another number is followed
             return start, part_of(stretch, looked, point, along, "section", "")
         start.detail = _detail(stretch, name, start, point)
+        if _rests(stretch, start.equations.word) and not _rests(stretch, stretch.equations.word):
+            located = _located_behind(stretch, start, point)
+            if located is not None:
+                return located, None
         # at the change itself both words stand, whatever rounding lets the engine find
         stands = replace(looked, admissibility=Admissibility(True))
         return start, part_of(stretch, stands, point, along, kind_of(name), start.detail)
     return None
+
+
+def _rests(stretch: BranchStretch, word: Word) -> bool:
+    """Whether rebounds of an orbit end in rest."""
+    return bool(chatters(word.modes, word.paths, stretch.legs.tables.wiring))
 
 
 def _by_settled_motion(
