@@ -482,10 +482,11 @@ def _located_behind(
     stretch.set_parameter(start.value)
     name = nearest_behind(stretch, start)
     before = before_graze(stretch, start, name, _BACK) if name else None
-    # the change lies half way back, as far as it is linear
-    if before is None or (
-        (0.5 * (before.value + start.value) - point.p) * (start.value - point.p) <= 0.0
-    ):
+    if before is None:
+        return None
+    # the change lies half way back, as far as it is linear; rest can only end behind the last one
+    half = 0.5 * (before.value + start.value)
+    if what_of(name) != "rest" and (half - point.p) * (start.value - point.p) <= 0.0:
         return None
     system, word = stretch.options.system, start.equations.word
     way_on = start.detail.rpartition("; ")[2]
