@@ -230,6 +230,12 @@ def _special_point(branch: Any, special: Any) -> _SpecialPoint:
             f"special = {int(number)}: only the motions beyond tell of this {kind} point, so there"
             " is no number that vanishes there and could be followed"
         )
+    if what_of(test) == "rest":
+        raise OptionError(
+            f"special = {int(number)}: rounding of the last rebounds leaves too few digits to"
+            " follow where they no longer end before the release; give branches at some values of"
+            " the second parameter, each ends there"
+        )
     names = (branch.attrs["first_parameter"],) if of_curve else ()
     bounds = branch.attrs["first_between" if of_curve else "between"]
     low, high = (float(text) for text in str(bounds).split())

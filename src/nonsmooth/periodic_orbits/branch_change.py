@@ -45,7 +45,7 @@ from nonsmooth.periodic_orbits.word_change import (
 )
 from nonsmooth.system.system import System
 
-__all__ = ["SHRINKS", "broken_test", "change_at", "end_at"]
+__all__ = ["SHRINKS", "broken_test", "change_at", "end_at", "past_rebounds"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -53,10 +53,14 @@ _AT_SECTION = ("leg:0", "leg:last")
 _BEYOND = 1e-6  # of the range of the parameter: an impact at the section is on one side of it there
 _INSIDE = 1e-9  # of the way to the middle of an orbit, which is forgotten at rest
 _SHORT = 1e-3  # of the turn: flights at the section behind which no rebound counts by itself
+_NEXT = (1e-7, 1e-6, 1e-5, 1e-4)  # of the range of the parameter
+_ALIKE = 0.1  # part of the duration of a leg by which it differs there at most
 _FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 _APPEARS = 1e-6  # part of the turn that a leg lasts where a branch with it begins
 SHRINKS = "the cycle shrinks to a point"
 _ENDS = {
+    "rest": "rebounds end just at the release, and beyond it not before: rest is lost, and"
+    " infinitely many orbits begin there",
     "shrink": SHRINKS,
     "slide": "both sides of a surface point at it: beyond, the motion stays there for a while",
     "enter": "the surface does not hold the motion any more: beyond, it leaves it at once",
@@ -67,6 +71,7 @@ _AT_BORDER = {
 }
 _MOST_TELLING = (
     "shrink",
+    "rest",
     "slide",
     "short",
     "leg",
@@ -202,6 +207,52 @@ def _within_chatter(stretch: BranchStretch, looked: Looked, point: Point) -> Bra
     return _start(stretch, guess, value, point)
 
 
+def past_rebounds(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
+    """The same orbit a little beyond, where no step succeeds although nothing happens to it.
+
+    Rounding of the last rebounds before rest may let none succeed. That the motion has the others
+    there, of the same durations, tells that it is the same orbit.
+    """
+    word = stretch.equations.word
+    if _section_in_chatter(stretch, word):
+        return None
+    low, high = stretch.options.bounds
+    here = _durations(stretch, Guess(word, looked.turn))
+    for part in _NEXT if here else ():
+        value = point.p + _way(point) * part * (high - low)
+        stretch.set_parameter(point.p)
+        guess = _same_motion_at(stretch, looked, value)
+        if guess is None or _section_in_chatter(stretch, guess.word):
+            return None
+        there = _durations(stretch, guess)
+        if len(here) != len(there) or any(map(_are_apart, here, there)):
+            return None
+        start = _start(stretch, guess, value, point)
+        if start is not None and goes_on(stretch, replace(start, kind="")):
+            return start
+    return None
+
+
+def _durations(stretch: BranchStretch, guess: Guess) -> list[Floats]:
+    """Durations of rebounds before each rest, and of what lies between; without those of rest.
+
+    Rest begins where the last rebound that is followed ends. None where there is no such rest.
+    """
+    word, (_, turn) = guess.word, guess
+    found, begin = [], 0
+    for legs in chatters(word.modes, word.paths, stretch.legs.tables.wiring):
+        found += [turn.durations[begin : legs[0]], turn.durations[legs]]
+        begin = legs[-1] + 2
+    return [*found, turn.durations[begin:]] if found else []
+
+
+def _are_apart(these: Floats, those: Floats) -> bool:
+    """Whether durations differ, as far as both go on."""
+    count = min(these.size, those.size)
+    these, those = these[:count], those[:count]
+    return bool(np.any(np.abs(these - those) > _ALIKE * np.abs(these)))
+
+
 def _same_motion_at(stretch: BranchStretch, looked: Looked, value: float) -> Guess | None:
     """What the motion is after a turn in which it rests, if its modes are those of the orbit."""
     states = looked.turn.states
@@ -256,13 +307,15 @@ def change_at(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> tuple[BranchStart | None, BranchPart | None]:
     """How a branch goes on behind a change of its word, and the point there if it is special."""
-    for way_on in (
+    ways = [
         _with_other_rebounds,
         _by_change_of_word,
         _by_motion_beyond,
         _by_settled_motion,
         _by_cycle_beyond,
-    ):
+    ]
+    # of infinitely many orbits that begin where rest ends none is the nearest one
+    for way_on in [] if what_of(point.special) == "rest" else ways:
         found = way_on(stretch, point, looked, along)
         if found is not None:
             return found
@@ -324,10 +377,19 @@ def _by_motion_beyond(
             start.kind = "section"  # nothing happens but that another number is followed
             return start, part_of(stretch, looked, point, along, "section", "")
         start.detail = _detail(stretch, name, start, point)
+        if _rests(stretch, start.equations.word) and not _rests(stretch, stretch.equations.word):
+            located = _located_behind(stretch, start, point)
+            if located is not None:
+                return located, None
         # at the change itself both words stand, whatever rounding lets the engine find
         stands = replace(looked, admissibility=Admissibility(True))
         return start, part_of(stretch, stands, point, along, kind_of(name), start.detail)
     return None
+
+
+def _rests(stretch: BranchStretch, word: Word) -> bool:
+    """Whether rebounds of an orbit end in rest."""
+    return bool(chatters(word.modes, word.paths, stretch.legs.tables.wiring))
 
 
 def _by_settled_motion(
@@ -420,10 +482,11 @@ def _located_behind(
     stretch.set_parameter(start.value)
     name = nearest_behind(stretch, start)
     before = before_graze(stretch, start, name, _BACK) if name else None
-    # the change lies half way back, as far as it is linear
-    if before is None or (
-        (0.5 * (before.value + start.value) - point.p) * (start.value - point.p) <= 0.0
-    ):
+    if before is None:
+        return None
+    # the change lies half way back, as far as it is linear; rest can only end behind the last one
+    half = 0.5 * (before.value + start.value)
+    if what_of(name) != "rest" and (half - point.p) * (start.value - point.p) <= 0.0:
         return None
     system, word = stretch.options.system, start.equations.word
     way_on = start.detail.rpartition("; ")[2]

@@ -12,7 +12,13 @@ import numpy.typing as npt
 from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.admissibility import Admissibility
-from nonsmooth.periodic_orbits.branch_change import SHRINKS, broken_test, change_at, end_at
+from nonsmooth.periodic_orbits.branch_change import (
+    SHRINKS,
+    broken_test,
+    change_at,
+    end_at,
+    past_rebounds,
+)
 from nonsmooth.periodic_orbits.branch_part import (
     OF_MULTIPLIERS,
     BranchPart,
@@ -168,6 +174,9 @@ class _StretchWalk:
                 self.ended = end_at("shrink", looked, self.stretch)
                 yield self._at_rest(*rest)
                 return
+        self.following = past_rebounds(self.stretch, looked, point)
+        if self.following is not None:
+            return
         close = {
             name: value
             for name, value in looked.tests.items()

@@ -34,7 +34,7 @@ __all__ = [
 
 Floats = npt.NDArray[np.float64]
 
-REGULAR = ("graze", "corner", "slide", "enter")  # tests that are smooth where a leg begins
+REGULAR = ("graze", "corner", "slide", "enter", "rest")  # tests that are smooth where a leg begins
 _SOLVED = 1e-7  # scaled residual of a start where the equations are singular
 _ASTRAY = 1e-6  # of the size of an orbit that changes its word: as far from its guess as none is
 _NEWTON = 20

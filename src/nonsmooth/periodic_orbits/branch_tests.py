@@ -38,6 +38,7 @@ from nonsmooth.periodic_orbits.onto import (
     modes_along,
 )
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
+from nonsmooth.periodic_orbits.rest_margin import RestMargins
 from nonsmooth.periodic_orbits.strobes import NO_STROBES, Strobes, strobes_of
 from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
 from nonsmooth.periodic_orbits.word import Word
@@ -64,7 +65,7 @@ _EPS = float(np.finfo(float).eps)
 _ROUNDINGS = 500.0
 _OF_WORD = (
     "graze", "corner", "short", "leg", "rate", "gain", "over", "slide", "enter", "shrink",
-    "motion",
+    "rest", "motion",
 )  # fmt: skip
 # part of the turn: a contact of this duration counts as a graze. It is as long as the root of the
 # distance from the graze, so this is 1e-10 away; shorter ones make Newton's matrix singular
@@ -74,6 +75,9 @@ _SHORT = 1e-5
 _SHORT_OF_SLIDE = 1e-3
 _REMEMBERED = 100  # orbits: those of a step, with the trials for its special points
 _AT_CHANGE = 1e-9  # of a test: the word is about to change
+# a margin of rest counts by this: rebounds before rest are followed until flights are as low as
+# 1e-12 of the terms of their guard, of which rounding leaves 1e-4, so 1e-3 of it is about to change
+_OF_REST = 1e-6
 _OF_GUARDS = ("graze", "corner", "gain", "over")  # what is a guard, and not a rate or a duration
 _TOUCHES = 1e-6  # speed of an impact beside the rates of all states
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
@@ -172,6 +176,7 @@ class _Beside(NamedTuple):
     entered: dict[tuple[int, int], float]  # guards of cells on surfaces, where they are entered
     jumped: dict[tuple[int, int], float]  # guards of surfaces that impacts jump over
     kept: dict[tuple[int, int], float]  # guards of surfaces that impacts do not jump over
+    rests: dict[int, float]  # margins of rebounds before rest
     lowest: Floats  # value of each guard within each leg
 
 
@@ -202,7 +207,7 @@ class BranchTests:
         self._surface = [  # legs that end at a surface which is crossed without a reset
             crosses(wiring, families, word.modes[k], path) for k, path in enumerate(word.paths)
         ]
-        self._kept = KeptGuards(equations)
+        self._kept, self._rests = KeptGuards(equations), RestMargins(equations)
         self._entries, self._jumped = EntryGuards(equations), JumpedGuards(equations)
         self._seen: dict[bytes, Looked] = {}
         # legs in which the engine has found an event that the search for minima has missed
@@ -219,7 +224,7 @@ class BranchTests:
         turn = equations.unpack(unknowns)
         beside = _Beside(
             self._entries.values(turn), self._jumped.values(turn), self._kept.values(turn),
-            self._lowest(turn),
+            self._rests.values(turn), self._lowest(turn),
         )  # fmt: skip
         found = legs.follow(equations.word, turn.states, turn.instants)
         residual = equations.gap(turn, found)
@@ -326,6 +331,7 @@ class BranchTests:
         for (k, guard), value in beside.entered.items():
             size = float(sizes.value[(k + 1) % len(word), guard])
             tests[f"enter:{k}:{guard}"] = value / size
+        tests |= {f"rest:{k}": _OF_REST * margin for k, margin in beside.rests.items()}
         if word.paths[-1] == ():
             tests["leg:last"] = float(turn.durations[-1]) / length
         if equations.is_smooth_cycle:

@@ -31,5 +31,6 @@ def in_words(system: System, word: Word, name: str) -> str:
         "gain": f"a leg appears behind {leg}",
         "slide": f"both sides of a surface behind {leg} point at it",
         "enter": f"the surface behind {leg} does not hold the motion",
+        "rest": f"rebounds up to {leg} no longer end before the release",
         "shrink": "the cycle touches the plane on which it begins",
     }.get(kind, "the motion changes")

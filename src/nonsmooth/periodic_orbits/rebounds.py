@@ -54,7 +54,7 @@ def _followed(
     legs = equations.legs
     mode, path = word.modes[first], word.paths[last]
     begin = float(turn.instants[first] + 0.5 * turn.durations[first])
-    end = float(turn.instants[last + 1] + 0.5 * turn.durations[last + 1])
+    end = float(turn.instants[last + 2])  # of rest, before which other rebounds may begin it
     leg = Word((mode,), ((),))
     there = legs.follow_each(
         leg, turn.states[first : first + 1], turn.instants[first : first + 1], np.array([begin])
@@ -72,6 +72,9 @@ def _followed(
     lasting = ~np.isin(rows["kind"], (EventKind.GRAZE, EventKind.START))
     rows, states = rows[lasting][:_MOST], states[lasting][:_MOST]
     paths = [path_of_bits(int(r["path"]), int(r["passes"])) for r in rows]
+    if path in paths:
+        paths = paths[: paths.index(path) + 1]
+        rows, states = rows[: len(paths)], states[: len(paths)]
     wanted = [path[:1]] * (len(paths) - 1) + [path]
     if outcome.status != Status.COMPLETED or paths != wanted:
         return None

@@ -8,7 +8,9 @@
 // w (1/P + (P Q)^(-1/2)) over 1 - r (Q/P)^(1/2). Impacts are passed one by one until little is left
 // of the row and the acceleration is as good as constant, or until flights are so low that rounding
 // would swallow them. Then the rest is one exit: onto the surface, with the momentum gone that is
-// left along the jump. What it leaves out in the state is of third order in T. Where another exit may
+// left along the jump. What it leaves out in the state is of third order in T. Just before a release
+// the acceleration changes its sign soon: flights that are lower than rounding are passed here, by
+// its derivatives, and tell whether they end before. Where another exit may
 // be met before they are over, impacts are passed until flights are as low as rounding itself.
 // See A. Nordmark and P. Piiroinen, Nonlinear Dynamics 58, 2009; C. Budd and F. Dux, Philosophical
 // Transactions of the Royal Society A 347, 1994.
@@ -36,6 +38,56 @@ struct Rebound {
 inline double rest_time_with_friction(double rate, double ratio, double push, double push_before) {
     const double down = std::sqrt(push * push_before);
     return rate * (1.0 / down - 1.0 / push) / (1.0 + ratio * down / push);
+}
+
+// The acceleration of a guard is -(steady + drift t + bend t^2/2 + damping g').
+struct Push {
+    double steady, drift, bend, damping;
+};
+
+// A part of a change that is neglected: of the acceleration while rebounds die out.
+constexpr double nearly_steady = 1e-2;
+
+// Time of a flight that leaves with a rate, by four derivatives at its start; never where it does not
+// come back.
+inline double flight_time(double rate, double push, double jerk, double snap) {
+    constexpr Index few = 4;  // steps: each doubles the digits of the part that the snap makes
+    const double under_root = 0.25 * push * push + 2.0 / 3.0 * jerk * rate;
+    if (!(under_root > 0.0)) return never;
+    double time = 2.0 * rate / (0.5 * push + std::sqrt(under_root));
+    for (Index k = 0; k < few; ++k) {
+        const double slope = 0.5 * push + time * (jerk / 3.0 + time * snap / 8.0);
+        if (!(slope > 0.0)) return never;
+        time += (rate - time * (0.5 * push + time * (jerk / 6.0 + time * snap / 24.0))) / slope;
+    }
+    return time;
+}
+
+// Time until rebounds are over that leave with a rate while the acceleration changes much; never
+// where it changes its sign before, or where its derivatives do not tell.
+inline double rest_time_before_change(double rate, double ratio, const Push& push) {
+    constexpr Index most = 10000;  // rebounds: of a ratio of 0.999, until little is left of them
+    double time = 0.0;
+    for (Index k = 0; k < most; ++k) {
+        // of the flight from here
+        const double steady = push.steady + time * (push.drift + 0.5 * time * push.bend);
+        const double now = steady + push.damping * rate;
+        const double jerk = push.drift + time * push.bend - push.damping * now;
+        const double snap = push.bend - push.damping * jerk;
+        const double bent = 0.5 * std::fabs(push.bend) * time * time;
+        if (!(now > 0.0) || bent > nearly_steady * std::fabs(push.drift * time)) return never;
+        const double wait = 2.0 * rate / (now * (1.0 - ratio));
+        if (std::fabs(jerk) * wait <= nearly_steady * now) {
+            return time + wait * (1.0 - jerk * wait / (3.0 * now));
+        }
+        const double flight = flight_time(rate, now, jerk, snap);
+        if (flight == never) return never;
+        const double fall = now + flight * (0.5 * jerk + flight * snap / 6.0);
+        rate = ratio * (flight * fall - rate);
+        time += flight;
+        if (!(rate > 0.0)) return never;
+    }
+    return never;
 }
 
 // Whether an exit beside that of an impact may be met within a time: those onto surfaces are passed in
@@ -88,7 +140,6 @@ inline double rest_time(const Tables& tables, const Rebound& rebound, const doub
     constexpr double part_of_period = 1e-6;
     constexpr double shorter = 1e-12;  // likewise; or of the unit of time, for quick motions
     constexpr double steady_enough = 1e-5;  // change of the acceleration while rebounds die out
-    constexpr double nearly_steady = 1e-2;  // likewise, where flights are too low to be followed
     constexpr double low_flight = 1e-12;    // height of a flight beside the terms of its guard
     constexpr double gone = 1e-12;          // of the largest rate at the same instant
     const Index m = rebound.m, e = rebound.e;
@@ -118,6 +169,11 @@ inline double rest_time(const Tables& tables, const Rebound& rebound, const doub
         wait *= 1.0 - drift * wait / (3.0 * steady) - damping * wait / 6.0;
         const bool brief = clock.is_period != 0.0 && wait <= part_of_period * clock.window;
         return low || (brief && change <= steady_enough) ? wait : never;
+    }
+    if (low && std::fabs(damping) * wait <= nearly_steady) {
+        const double snap = guard_terms(tables, m, e, 4, z, extent).value;
+        const double bend = -snap - damping * jerk.value;
+        return rest_time_before_change(rate.value, ratio, {steady, drift, bend, damping});
     }
     const bool uneven = low && rebound.push_before < 0.0 &&
                         ratio * ratio * rebound.push_before > push.value;
