@@ -16,10 +16,8 @@ from nonsmooth.analysis.statistics.periodicity import REPEATS, scales, settled_p
 from nonsmooth.analysis.statistics.rest import comes_to_rest, floor_of, natural_sizes
 from nonsmooth.engine.extremes import state_maxima, state_ranges
 from nonsmooth.engine.status import Status
-from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.outputs import StateRates
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
-from nonsmooth.runs.sweep_runner import Recorded, SweepRunner
+from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, Times
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -27,7 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["period_of_points", "said_of_restless", "strobe_periods"]
 
-_STEPS = 16  # of a window, from one place where rates are looked at to the next
+_STEPS = 16  # of a window, from one place where motions are looked at to the next
+_LOOKS = np.array([1.0, 2.0])  # steps behind the last strobe
 
 Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
@@ -107,8 +106,7 @@ def _natural(group: Group, recorded: Recorded, passed: PassedEvents, chosen: Boo
     still = ~group.drifting
     sizes = np.maximum(state_maxima(np.abs(recorded.states)), _begun(group, recorded))
     np.maximum.at(sizes, passed.motion, state_maxima(np.abs(recorded.event_states)))
-    for i in np.flatnonzero(chosen).tolist():
-        sizes[i] = _passing_zero(group, recorded, i, sizes[i])
+    sizes = np.where(group.drifting, sizes, np.maximum(sizes, _moved(group, recorded, chosen)))
     blocks_over = partial(IntervalTangents(group).over_part, recorded.last)
     sizes[:, still] = natural_sizes(sizes[:, still], chosen, blocks_over)
     return sizes
@@ -151,27 +149,22 @@ def _resting(
     return found
 
 
-def _passing_zero(group: Group, recorded: Recorded, i: int, sizes: Floats) -> Floats:
-    """Sizes of the states of a motion; of one that is zero at the strobes, what it moves by.
+def _moved(group: Group, recorded: Recorded, chosen: Bools) -> Floats:
+    """What some motions would move by in a window, as they do just behind the last strobe, (K, n).
 
-    Such a state passes through zero there, as a base does that shakes as the sine of the phase:
-    what is recorded of it is rounding, which repeats to no part of its own size. All states may do
-    so, as those of a follower that rides on its cam, and rates may vanish there as well.
+    A state that is zero at the strobes passes through zero there, as a base does that shakes as the
+    sine of the phase: what is recorded of it is rounding, which repeats to no part of its own size.
+    All states may do so, as those of a follower that rides on its cam, and rates may vanish there
+    as well, so two steps are taken.
     """
-    moved = _moved(group, recorded, i)
-    return np.where(group.drifting, sizes, np.maximum(sizes, moved))
-
-
-def _moved(group: Group, recorded: Recorded, i: int) -> Floats:
-    """What a motion moves by in a window, from its rates at the last strobe and behind it."""
-    window = float(recorded.windows[i])
-    number, phase = int(recorded.numbers[i, -1]), float(recorded.phases[i, -1])
-    mode, state = int(recorded.modes[i, -1]), recorded.states[i, -1]
-    rates = StateRates(group.system, group.runner.tables(i))
-    here = rates.at(Instant(number, phase), mode, state)
-    step = window / _STEPS
-    behind = rates.at(Instant(number, phase + step), mode, state + here * step)
-    return np.asarray(np.maximum(np.abs(here), np.abs(behind)) * window)
+    last, windows = recorded.last, group.windows
+    since = last.phases[:, None] + _LOOKS / _STEPS * windows[:, None]
+    more, phases = group.instants(since, chosen)
+    times = Times(last.numbers[:, None] + more, phases)
+    motions = group.runner.start(last, chosen)
+    found = group.runner.run(motions, times, log=False, stop=group.stop)
+    states = np.concatenate([last.states[:, None], found.states], axis=1)
+    return np.nan_to_num(state_maxima(np.abs(np.diff(states, axis=1)))) * _STEPS
 
 
 def _begun(group: Group, recorded: Recorded) -> Floats:
