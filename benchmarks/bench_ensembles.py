@@ -130,7 +130,7 @@ def disputed(true, results, verdicts, digits):
 
 def table(clocks, verdicts):
     head = f"{'implementation':<16} {'threads':>7} {'processor s':>11} {'ratio':>6} {'wall s':>7}"
-    lines = [head + f" {'periods':>8} {'points':>7} {'chaos':>6} {'median error':>13}"]
+    lines = [head + f" {'periods':>8} {'open':>5} {'points':>7} {'chaos':>6} {'median error':>13}"]
     unit = clocks.processor["hand kernel", 1]
     for (name, threads), processor in clocks.processor.items():
         if name == "spin":
@@ -138,7 +138,8 @@ def table(clocks, verdicts):
         line = f"{name:<16} {threads:>7} {processor:>11.3f} {processor / unit:>6.1f}"
         line += f" {clocks.wall[name, threads]:>7.3f}"
         found = verdicts[name]
-        line += f" {found.labels:>8} {found.points:>7} {found.chaos:>6} {found.error:>13.1e}"
+        line += f" {found.labels:>8} {found.open:>5} {found.points:>7} {found.chaos:>6}"
+        line += f" {found.error:>13.1e}"
         lines.append(line)
     return "\n".join(lines)
 
@@ -166,7 +167,8 @@ def main(given=None):
     )
     print(table(clocks, verdicts))
     print("wrong columns: another period, points off by 1e-3 of their size, a period in chaos (a")
-    print("transient may have ended); median error of the decided columns, relative")
+    print("transient may have ended); open: no period told of a column that is decided; median")
+    print("error of the decided columns, relative")
     print(clocks.report([n for n in results if len(IMPLEMENTATIONS[n][1]) == 2]))
     faults = check_digits(p, omegas, disputed(true, results, verdicts, options.digits), true)
     if verdicts["nonsmooth"].wrong.size:
