@@ -272,3 +272,15 @@ def test_intervals_like_one_over_k_squared_accumulate():
     run = ns.simulate(system, t_end=0.9999999, events=False)
     assert run.attrs["status"] == "event_limit"
     assert run.attrs["n_events"] <= 20_000
+
+
+def test_switches_of_two_surfaces_wind_into_their_meeting():
+    """No reset is passed, so none is spoken of: a loop of genes that comes to its thresholds."""
+    system = System(
+        states=["x", "y"],
+        equations={"x": "-x - sign(x)*sign(y) - 2*sign(y)", "y": "-y + 2*sign(x)"},
+    )
+    with pytest.warns(RunWarning, match="switches accumulate.* into the meeting") as told:
+        run = ns.simulate(system, {"x": 0.4, "y": 0.3}, t_end=30.0)
+    assert run.attrs["status"] == "event_limit"
+    assert "impact" not in str(told[0].message)

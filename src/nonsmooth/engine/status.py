@@ -9,6 +9,7 @@ __all__ = [
     "RELAYED_ACCUMULATE",
     "SETUP_ERRORS",
     "SWITCHES_ACCUMULATE",
+    "WINDING_ACCUMULATES",
     "Certificate",
     "EventKind",
     "Status",
@@ -142,6 +143,11 @@ SWITCHES_ACCUMULATE = (
     " take for ever, and no reset is passed. End the run before, by t_end= or an exit to 'stop'"
     " near the point; with a mode in which the motion rests, or slides, send it there by such an"
     " exit"
+)
+WINDING_ACCUMULATES = (
+    "switches accumulate: more than 100 at one instant, or thousands that come ever faster, and no"
+    " reset is passed. The motion winds itself into the meeting of two surfaces: smooth one of"
+    " them, or end the run before, by t_end= or an exit to 'stop' near the meeting"
 )
 RELAYED_ACCUMULATE = (
     "impacts that hand over from mode to mode accumulate: more than 100 at one instant, or"

@@ -29,6 +29,7 @@ from nonsmooth.engine.status import (
     CURES,
     RELAYED_ACCUMULATE,
     SWITCHES_ACCUMULATE,
+    WINDING_ACCUMULATES,
     Certificate,
     EventKind,
     Status,
@@ -206,7 +207,9 @@ def _accumulation(labels: Labels, outcome: Outcome) -> str:
         gaps = np.diff(outcome.times(rows["number"], rows["phase"]))
         early, late = gaps[: gaps.size // 2].sum(), gaps[-(gaps.size // 2) :].sum()
         shorter = late <= (1.0 - _SHORTER) * early
-        return SWITCHES_ACCUMULATE if len(surfaces) == 1 and shorter else ""
+        if len(surfaces) > 1:
+            return WINDING_ACCUMULATES
+        return SWITCHES_ACCUMULATE if shorter else ""
     # modes as they were declared; rounding and flights lead between cells of one
     pairs = columns(rows, "from_mode", "to_mode").tolist()
     relayed = all(_declared(labels, one) != _declared(labels, other) for one, other in pairs)
