@@ -236,7 +236,7 @@ def past_rebounds(stretch: BranchStretch, looked: Looked, point: Point) -> Branc
 def _durations(stretch: BranchStretch, guess: Guess) -> list[Floats]:
     """Durations of rebounds before each rest, and of what lies between; without those of rest.
 
-    Rest begins where the last rebound that is followed ends. None where there is no such rest.
+    Rest begins where the last rebound that is followed ends. Nothing where there is no such rest.
     """
     word, (_, turn) = guess.word, guess
     found, begin = [], 0

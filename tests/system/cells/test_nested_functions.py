@@ -106,6 +106,31 @@ def test_a_saturated_switch_slides_and_tells_its_force():
     assert run["power"].values[late] == pytest.approx(9.0 * x[late] ** 2, rel=1e-12)
 
 
+def test_a_jump_within_the_function_of_a_guard_alone():
+    """On the surface the guard is the mean of its sides: 2 - clip(+-3, -1, 1) gives 2 at v = 0."""
+    ends = ns.Exit("2 - clip(3*sign(v), -1, 1) - t", to="stop", name="late")
+    system = ns.System(states=["v"], modes={"run": ns.Mode({"v": "-sign(v)"}, exits=[ends])})
+    run = ns.simulate(system, {"v": 0.5}, t_end=5.0)
+    assert run.attrs["status"] == "stopped"
+    assert float(run["event_time"][-1]) == pytest.approx(2.0, rel=1e-12)
+
+
+def test_a_force_on_a_curved_surface():
+    """On the circle the force that keeps motion there is the mean of both sides: none of 1 and -1.
+
+    r' = clip(-3 sign(r^2 - 1) + 1/2, -2, 2) r is kept at r = 1 by shares of one half each.
+    """
+    system = ns.System(
+        states=["x", "y"],
+        equations={"x": "u*x - y", "y": "u*y + x"},
+        definitions={"u": "clip(-3*sign(x**2 + y**2 - 1) + 0.5, -2, 2)"},
+        outputs={"force": "u"},
+    )
+    run = ns.simulate(system, {"x": 1.5, "y": 0.0}, times=[0.0, 2.0, 3.0])
+    assert np.hypot(run["x"], run["y"]).values[1:] == pytest.approx([1.0, 1.0], abs=1e-9)
+    assert run["force"].values[1:] == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
 def test_functions_of_a_friction_force_that_holds():
     """Where a mass sticks to a belt, the size of the force is that of the spring."""
     system = ns.System(

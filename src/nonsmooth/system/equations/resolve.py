@@ -175,8 +175,13 @@ class Resolver:
         equivalent value of a sign that stands in it linearly; not within a ``clip``, or a square.
         Other texts are functions of these parts, and no means: what holds a mass has a size.
         """
-        if not self.controls or node not in self.motion:
+        if not self.controls:
             return self._resolved(node)
+        if node not in self.motion:
+            try:
+                return self._resolved(node)
+            except Undecided:  # only what lies between the sides is known
+                pass
         above, below = (side._tree(node) for side in self._beside)
         if above is below:
             return above
@@ -186,7 +191,7 @@ class Resolver:
         except Undecided:  # the equivalent value lies on no known side of another surface
             return mean
         apart = self.graph.add(own, self.graph.negate(mean))
-        if not self.on_surface or vanishes([substituted(self.graph, apart, self.on_surface)]):
+        if vanishes([substituted(self.graph, apart, self.on_surface)]):
             return own
         return mean
 
