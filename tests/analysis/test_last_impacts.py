@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 import nonsmooth as ns
-from nonsmooth.periodic_orbits import branch_run
+from nonsmooth.periodic_orbits import stretch_walk
 
 STOP = 0.35
 
@@ -64,7 +64,7 @@ def test_an_error_at_a_change_keeps_the_points(monkeypatch):
     def fails(*_):
         raise ValueError("on purpose")
 
-    monkeypatch.setattr(branch_run, "change_at", fails)
+    monkeypatch.setattr(stretch_walk, "change_at", fails)
     branch = ns.continue_orbit(two_masses(), "omega", (0.6, 1.3))
     assert "fault" in (branch.attrs["end_first"], branch.attrs["end_last"])
     assert "ValueError: on purpose" in branch.attrs["message"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 
@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.continuation.point import Point
-from nonsmooth.errors import RunError
 from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed, kind_of, part_of
 from nonsmooth.periodic_orbits.branch_start import (
@@ -19,22 +18,31 @@ from nonsmooth.periodic_orbits.branch_start import (
     begin_change,
     goes_on,
     nearest_behind,
-    tangent_at,
 )
 from nonsmooth.periodic_orbits.branch_tests import (
     BranchTests,
     Looked,
     broken_tests,
-    largest_along,
     what_of,
 )
-from nonsmooth.periodic_orbits.cycle_beyond import apart_from_cycle, cycles_beyond
-from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
-from nonsmooth.periodic_orbits.guess import Guess, driven_guess
+from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.in_words import in_words
-from nonsmooth.periodic_orbits.legs import LegError
-from nonsmooth.periodic_orbits.newton import solve_orbit
+from nonsmooth.periodic_orbits.motion_beyond import (
+    is_near,
+    joins,
+    motion_at,
+    motions_nearby,
+    start_of,
+    way_of,
+)
 from nonsmooth.periodic_orbits.onto import chatters
+from nonsmooth.periodic_orbits.other_rebounds import (
+    cycle_of,
+    differs_in_rebounds,
+    over_chatter,
+    over_last_rebounds,
+    within_chatter,
+)
 from nonsmooth.periodic_orbits.stretch import BranchStart, BranchStretch
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.periodic_orbits.word_change import (
@@ -43,19 +51,13 @@ from nonsmooth.periodic_orbits.word_change import (
     changes_of_word,
     vanishing_leg,
 )
-from nonsmooth.system.system import System
 
-__all__ = ["SHRINKS", "broken_test", "change_at", "end_at", "past_rebounds"]
+__all__ = ["SHRINKS", "broken_test", "change_at", "end_at"]
 
 Floats = npt.NDArray[np.float64]
 
 _AT_SECTION = ("leg:0", "leg:last")
 _BEYOND = 1e-6  # of the range of the parameter: an impact at the section is on one side of it there
-_INSIDE = 1e-9  # of the way to the middle of an orbit, which is forgotten at rest
-_SHORT = 1e-3  # of the turn: flights at the section behind which no rebound counts by itself
-_NEXT = (1e-7, 1e-6, 1e-5, 1e-4)  # of the range of the parameter
-_ALIKE = 0.1  # part of the duration of a leg by which it differs there at most
-_FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 _APPEARS = 1e-6  # part of the turn that a leg lasts where a branch with it begins
 SHRINKS = "the cycle shrinks to a point"
 _ENDS = {
@@ -84,223 +86,11 @@ _MOST_TELLING = (
 )
 _TOGETHER = 1e-6  # a test that vanishes at the same point as another one
 _SLOW = 1e-6  # speed of an impact, beside what the guard comes to in a turn
-_NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
-_NEAR_CYCLE = 0.01  # of the size of a cycle: one farther away is another one
-_SETTLED = (1e-6, 1e-5, 1e-4, 1e-3)  # of the range: where motions are let settle beyond a change
-_TURNS = 100  # in which they settle
+_NEARBY = (1e-6, 1e-5, 1e-4, 1e-3)  # of the range: how far from a change motions are looked at
 _BACK = 1e4  # times the step that tells how a test grows: to a change behind settled motions
-_FAR = 0.05  # of the size of an orbit: motions that settle farther away are others
-_CLOSER = 0.01  # part of the way to a change, over which an orbit that joins it comes closer
-_SAME = 1e-7  # of the size of an orbit: as close as it can come
 
 # how a branch goes on, and the point there if it is special
 _WayOn = tuple[BranchStart, BranchPart | None]
-
-
-def _motion_at(stretch: BranchStretch, looked: Looked, value: float) -> Guess | None:
-    """Legs of the motion from an orbit; None where nothing drives the system.
-
-    It begins in the cell of the orbit where that admits it: a state that has decayed to a border
-    of cells lies in several of them.
-    """
-    running = stretch.options.system.structure.running
-    cell = running[stretch.equations.word.modes[0]].name
-    first = looked.turn.states[0]
-    found = _motion_from(stretch, first, value, 0, cell)
-    return found or _motion_from(stretch, first, value, 0)
-
-
-def _motion_from(
-    stretch: BranchStretch, first: Floats, value: float, turns: int, mode: str | None = None
-) -> Guess | None:
-    """Legs of the motion from a state, after some turns."""
-    options = stretch.options
-    low, high = options.bounds
-    if options.autonomous or not low <= value <= high:
-        return None
-    names = list(options.system.parameters)
-    state = dict(zip(options.system.states, first.tolist(), strict=True))
-    values = dict(zip(names, stretch.legs.values.tolist(), strict=True))
-    try:
-        there = options.system.with_parameters(**values | {options.parameter: value})
-        return driven_guess(
-            there, state, period=options.period, phase=options.phase,
-            transient=turns * options.period, mode=mode, tolerance=options.tolerance,
-        )  # fmt: skip
-    except (RunError, ValueError):
-        return None
-
-
-def _over_last_rebounds(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
-    """The same orbit a little beyond, where the section passes the last rebounds, or comes to them.
-
-    They are so short that the next ones follow at once.
-    """
-    word = stretch.equations.word
-    if point.special not in _AT_SECTION:
-        return None
-    if _section_in_chatter(stretch, word):
-        return _over_chatter(stretch, looked, point) if _is_short(looked.turn) else None
-    found = chatters(word.modes, word.paths, stretch.legs.tables.wiring)
-    if point.special != "leg:last" or all(legs[-1] != len(word) - 2 for legs in found):
-        return None  # it is not rest that begins at the section
-    return _farther(stretch, looked, point, lambda guess: not _is_short(guess.turn))
-
-
-def _is_short(turn: Turn) -> bool:
-    """Whether the flight over the section is one of the last."""
-    flight = float(turn.durations[0] + turn.durations[-1])
-    return flight <= _SHORT * float(turn.durations.sum())
-
-
-def _over_chatter(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
-    """The same orbit a little beyond, where the section does not lie within its rebounds any more.
-
-    Infinitely many of them pass the section while the parameter changes by little. The motion comes
-    to rest in every turn, so it is on the orbit after one.
-    """
-    if not _section_in_chatter(stretch, stretch.equations.word):
-        return None
-    return _farther(
-        stretch, looked, point, lambda guess: not _section_in_chatter(stretch, guess.word)
-    )
-
-
-def _farther(
-    stretch: BranchStretch, looked: Looked, point: Point, done: Callable[[Guess], bool]
-) -> BranchStart | None:
-    """The same orbit beyond, as far as it takes or as it may be."""
-    low, high = stretch.options.bounds
-    found: tuple[Guess, float] | None = None
-    for part in _FARTHER:
-        value = point.p + _way(point) * part * (high - low)
-        guess = _same_motion_at(stretch, looked, value)
-        if guess is None:  # as behind a bound
-            break
-        found = guess, value
-        if done(guess):
-            break
-    return None if found is None else _start(stretch, *found, point)
-
-
-def _within_chatter(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
-    """The same orbit with other rebounds, where a test has changed its sign within them.
-
-    The last ones are so short that the equations confuse them with none at all. Where an impact
-    just passes the section, the engine would find it on either side there, so it is asked beyond.
-    """
-    word = stretch.equations.word
-    name, *numbers = point.special.split(":")
-    found = chatters(word.modes, word.paths, stretch.legs.tables.wiring)
-    legs = {k for each in found for k in each}
-    if name != "motion" and not (numbers and numbers[0].isdigit() and int(numbers[0]) in legs):
-        return None
-    if not found:
-        return None
-    value = point.p
-    if point.special in _AT_SECTION:
-        low, high = stretch.options.bounds
-        value += _way(point) * _BEYOND * (high - low)
-    guess = _same_motion_at(stretch, looked, value)
-    if guess is None or guess.word == word:
-        return None
-    return _start(stretch, guess, value, point)
-
-
-def past_rebounds(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
-    """The same orbit a little beyond, where no step succeeds although nothing happens to it.
-
-    Rounding of the last rebounds before rest may let none succeed. That the motion has the others
-    there, of the same durations, tells that it is the same orbit.
-    """
-    word = stretch.equations.word
-    if _section_in_chatter(stretch, word):
-        return None
-    low, high = stretch.options.bounds
-    here = _durations(stretch, Guess(word, looked.turn))
-    for part in _NEXT if here else ():
-        value = point.p + _way(point) * part * (high - low)
-        stretch.set_parameter(point.p)
-        guess = _same_motion_at(stretch, looked, value)
-        if guess is None or _section_in_chatter(stretch, guess.word):
-            return None
-        there = _durations(stretch, guess)
-        if len(here) != len(there) or any(map(_are_apart, here, there)):
-            return None
-        start = _start(stretch, guess, value, point)
-        if start is not None and goes_on(stretch, replace(start, kind="")):
-            return start
-    return None
-
-
-def _durations(stretch: BranchStretch, guess: Guess) -> list[Floats]:
-    """Durations of rebounds before each rest, and of what lies between; without those of rest.
-
-    Rest begins where the last rebound that is followed ends. Nothing where there is no such rest.
-    """
-    word, (_, turn) = guess.word, guess
-    found, begin = [], 0
-    for legs in chatters(word.modes, word.paths, stretch.legs.tables.wiring):
-        found += [turn.durations[begin : legs[0]], turn.durations[legs]]
-        begin = legs[-1] + 2
-    return [*found, turn.durations[begin:]] if found else []
-
-
-def _are_apart(these: Floats, those: Floats) -> bool:
-    """Whether durations differ, as far as both go on."""
-    count = min(these.size, those.size)
-    these, those = these[:count], those[:count]
-    return bool(np.any(np.abs(these - those) > _ALIKE * np.abs(these)))
-
-
-def _same_motion_at(stretch: BranchStretch, looked: Looked, value: float) -> Guess | None:
-    """What the motion is after a turn in which it rests, if its modes are those of the orbit."""
-    states = looked.turn.states
-    guess = _motion_from(stretch, states[0], value, 1)
-    if guess is None:  # an impact at the section may lie behind the wall by rounding
-        inside = states[0] + _INSIDE * (states.mean(axis=0) - states[0])
-        guess = _motion_from(stretch, inside, value, 1)
-    return guess if guess is not None and _differs_in_rebounds(stretch, guess.word) else None
-
-
-def _differs_in_rebounds(stretch: BranchStretch, word: Word) -> bool:
-    """Whether a word has the modes of the orbit, but for how many rebounds before rest it shows."""
-    system = stretch.options.system
-    return _cycle(word, system) == _cycle(stretch.equations.word, system)
-
-
-def _start(stretch: BranchStretch, guess: Guess, value: float, point: Point) -> BranchStart | None:
-    """The branch from there on, in the direction that it has; None where it is no motion."""
-    try:
-        stretch.set_parameter(value)
-        equations = stretch.equations.of_word(guess.word, guess.turn.states[0])
-        solution = solve_orbit(equations, equations.pack(guess.turn))
-        if solution.status != "completed":
-            return None
-        du, dp = tangent_at(equations, solution.unknowns)
-    except LegError:
-        return None
-    sign = 1.0 if dp * _way(point) >= 0.0 else -1.0
-    return BranchStart(equations, solution.unknowns, value, (sign * du, sign * dp), kind="section")
-
-
-def _way(point: Point) -> float:
-    return float(np.sign(point.tangent_p) or 1.0)
-
-
-def _section_in_chatter(stretch: BranchStretch, word: Word) -> bool:
-    """Whether an orbit begins between rebounds."""
-    found = chatters(word.modes, word.paths, stretch.legs.tables.wiring)
-    return any(len(word) - 1 in legs or legs[0] == 0 for legs in found)
-
-
-def _cycle(word: Word, system: System) -> tuple[int, ...]:
-    """Modes that events lead to in a turn, from wherever they come first in order."""
-    modes = word.collapsed(system.compiled.program.wiring).modes
-    turn = modes if word.closes_at_event else modes[:-1]
-    if not turn:  # no event is passed
-        return ()
-    return min(turn[k:] + turn[:k] for k in range(len(turn)))
 
 
 def change_at(
@@ -311,8 +101,7 @@ def change_at(
         _with_other_rebounds,
         _by_change_of_word,
         _by_motion_beyond,
-        _by_settled_motion,
-        _by_cycle_beyond,
+        _by_motions_nearby,
     ]
     # of infinitely many orbits that begin where rest ends none is the nearest one
     for way_on in [] if what_of(point.special) == "rest" else ways:
@@ -328,7 +117,7 @@ def _with_other_rebounds(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> _WayOn | None:
     """The same orbit, of which other rebounds before rest are followed."""
-    for same_orbit in (_over_last_rebounds, _within_chatter):
+    for same_orbit in (over_last_rebounds, within_chatter):
         stretch.set_parameter(point.p)  # the other one may have left it beyond
         start = same_orbit(stretch, looked, point)
         if start is not None:
@@ -346,7 +135,7 @@ def _by_change_of_word(
     changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
     for change in [*changes, *changes_of_word(stretch.equations, looked.turn, name)]:
         passes = change.kind == "section"  # an event passes it, which is no special point
-        start = _over_chatter(stretch, looked, point) if passes else None
+        start = over_chatter(stretch, looked, point) if passes else None
         start = start or begin_change(stretch, change, point)
         if start is None:
             continue
@@ -371,9 +160,9 @@ def _by_motion_beyond(
     name = _what_happens(looked, point)
     for change in _changes_beyond(stretch, looked, replace(point, special=name)):
         start = begin_change(stretch, change, point)
-        if start is None or not _is_near(stretch, start, looked):
+        if start is None or not is_near(stretch, start, looked):
             continue
-        if name == "motion" and _differs_in_rebounds(stretch, start.equations.word):
+        if name == "motion" and differs_in_rebounds(stretch, start.equations.word):
             start.kind = "section"  # nothing happens but that another number is followed
             return start, part_of(stretch, looked, point, along, "section", "")
         start.detail = _detail(stretch, name, start, point)
@@ -392,62 +181,45 @@ def _rests(stretch: BranchStretch, word: Word) -> bool:
     return bool(chatters(word.modes, word.paths, stretch.legs.tables.wiring))
 
 
-def _by_settled_motion(
+def _by_motions_nearby(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> _WayOn | None:
-    """The orbit that motions a little beyond settle to, if it comes to this one at the change."""
+    """The orbit that motions beside the change come to, if it joins the one of the change."""
     name = _what_happens(looked, point)
-    low, high = stretch.options.bounds
-    for part in _SETTLED:
-        for way in (_way(point), -_way(point)):
-            value = point.p + way * part * (high - low)
-            guess = _motion_from(stretch, looked.turn.states[0], value, _TURNS)
-            back = abs(value - point.p) if way != _way(point) else None
-            if guess is None or _is_known(stretch, guess.word, value, back):
-                continue
-            start = _start(stretch, guess, value, replace(point, tangent_p=way))
-            if start is None or not (
-                _joins(stretch, start, looked, point.p) and goes_on(stretch, start)
-            ):
-                continue
-            start.kind = kind_of(name)
-            start.detail = _detail(stretch, name, start, point)
-            located = _located_behind(stretch, start, point)
-            if located is not None:
-                return located, None
-            stands = replace(looked, admissibility=Admissibility(True))
-            return start, part_of(stretch, stands, point, along, start.kind, start.detail)
+    for value, guess in _beside(stretch, point, looked):
+        behind = (value - point.p) * way_of(point) < 0.0
+        if _is_known(stretch, guess.word, value, abs(value - point.p) if behind else None):
+            continue
+        start = start_of(stretch, guess, value, replace(point, tangent_p=value - point.p))
+        if start is None or not (
+            _stands(stretch, start)
+            and joins(stretch, start, looked, point.p)
+            and goes_on(stretch, start)
+        ):
+            continue
+        start.kind = kind_of(name)
+        start.detail = _detail(stretch, name, start, point)
+        located = _located_behind(stretch, start, point)
+        if located is not None:
+            return located, None
+        stands = replace(looked, admissibility=Admissibility(True))
+        return start, part_of(stretch, stands, point, along, start.kind, start.detail)
     return None
 
 
-def _by_cycle_beyond(
-    stretch: BranchStretch, point: Point, looked: Looked, along: float
-) -> _WayOn | None:
-    """A cycle to which the motion from this one comes back beside the change, if it joins it.
+def _beside(stretch: BranchStretch, point: Point, looked: Looked) -> Iterator[tuple[float, Guess]]:
+    """Orbits near a change with values of the parameter where they may be, the nearest first.
 
-    The motion has not settled, so its word may be that of the orbit on the other side.
+    One that is found on one side may be that of the other side.
     """
-    (low, high), way = stretch.options.bounds, _way(point)
-    for part in _SETTLED:
-        values = [point.p + sign * part * (high - low) for sign in (way, -way)]
-        found = [g for value in values for g in cycles_beyond(stretch, looked.turn, point.p, value)]
+    low, high = stretch.options.bounds
+    for part in _NEARBY:
+        values = [point.p + way * part * (high - low) for way in (way_of(point), -way_of(point))]
+        found = [
+            each for value in values for each in motions_nearby(stretch, looked, point.p, value)
+        ]
         guesses = {guess.word: guess for guess in reversed(found)}
-        for value, guess in product(values, guesses.values()):
-            back = abs(value - point.p) if value == values[1] else None
-            if _is_known(stretch, guess.word, value, back):
-                continue
-            start = _start(stretch, guess, value, replace(point, tangent_p=value - point.p))
-            if start is None or not (
-                _stands(stretch, start)
-                and _joins_cycle(stretch, start, looked, point.p)
-                and goes_on(stretch, start)
-            ):
-                continue
-            start.kind = kind_of(point.special)
-            start.detail = _detail(stretch, point.special, start, point)
-            stands = replace(looked, admissibility=Admissibility(True))
-            return start, part_of(stretch, stands, point, along, start.kind, start.detail)
-    return None
+        yield from product(values, guesses.values())
 
 
 def _stands(stretch: BranchStretch, start: BranchStart) -> bool:
@@ -455,19 +227,6 @@ def _stands(stretch: BranchStretch, start: BranchStart) -> bool:
     stretch.set_parameter(start.value)
     looked = BranchTests(start.equations, stretch.options.tolerance).look(start.unknowns)
     return looked.admissibility.admissible and not broken_tests(looked)
-
-
-def _joins_cycle(stretch: BranchStretch, start: BranchStart, looked: Looked, value: float) -> bool:
-    """Whether a cycle beside a change comes to that of the change with the parameter."""
-    here = apart_from_cycle(stretch, looked.turn, value, start.equations, start.unknowns)
-    stretch.set_parameter(value + _CLOSER * (start.value - value))
-    solution = solve_orbit(start.equations, start.unknowns)
-    closer = np.inf
-    if solution.status == "completed":
-        unknowns = solution.unknowns
-        closer = apart_from_cycle(stretch, looked.turn, value, start.equations, unknowns)
-    stretch.set_parameter(start.value)
-    return here <= _NEAR_CYCLE and closer <= max(2.0 * np.sqrt(_CLOSER) * here, _NEARBY)
 
 
 def _located_behind(
@@ -504,7 +263,7 @@ def _is_known(stretch: BranchStretch, word: Word, value: float, back: float | No
     if back is not None:
         known += [each for each in stretch.trail.words if stretch.trail.passes(each, value, back)]
     system = stretch.options.system
-    return _cycle(word, system) in {_cycle(each, system) for each in known}
+    return cycle_of(word, system) in {cycle_of(each, system) for each in known}
 
 
 def _what_happens(looked: Looked, point: Point) -> str:
@@ -549,38 +308,6 @@ def _vanishing(looked: Looked, name: str) -> list[str]:
     return found if len(found) > 1 else []
 
 
-def _joins(stretch: BranchStretch, start: BranchStart, looked: Looked, value: float) -> bool:
-    """Whether an orbit beside a change comes to that of the change with the parameter.
-
-    At the root of the distance at least, as it does behind a graze; another orbit stays apart.
-    """
-    equations = start.equations
-    here = _apart(stretch, equations, start.unknowns, looked)
-    stretch.set_parameter(value + _CLOSER * (start.value - value))
-    solution = solve_orbit(equations, start.unknowns)
-    stretch.set_parameter(start.value)
-    if solution.status != "completed":
-        return False
-    closer = _apart(stretch, equations, solution.unknowns, looked)
-    return here <= _FAR and closer <= max(2.0 * np.sqrt(_CLOSER) * here, _SAME)
-
-
-def _is_near(stretch: BranchStretch, start: BranchStart, looked: Looked) -> bool:
-    """Whether an orbit of another word begins where this one is, and not somewhere else."""
-    return _apart(stretch, start.equations, start.unknowns, looked) <= _NEARBY
-
-
-def _apart(stretch: BranchStretch, equations: OrbitEquations, u: Floats, looked: Looked) -> float:
-    """Distance between two orbits where they begin, beside the size of the second one.
-
-    That is its size between its events too: it may be at rest where it begins.
-    """
-    drifting = equations.drifting
-    size = largest_along(stretch.equations, looked.turn).max()
-    apart = np.where(drifting, 0.0, np.abs(equations.unpack(u).states[0] - looked.turn.states[0]))
-    return float(apart.max() / max(float(size), 1e-300))
-
-
 def _changes_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Iterator[Change]:
     """What the engine finds a little beyond, as changes to try."""
     kind = kind_of(point.special)
@@ -596,8 +323,8 @@ def _changes_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Ite
 def _motions_beyond(stretch: BranchStretch, looked: Looked, point: Point) -> Iterator[Guess]:
     """What the motion from the orbit does a little beyond, where there is a period to look at."""
     low, high = stretch.options.bounds
-    for way in (_way(point), -_way(point)):
-        guess = _motion_at(stretch, looked, point.p + way * _BEYOND * (high - low))
+    for way in (way_of(point), -way_of(point)):
+        guess = motion_at(stretch, looked, point.p + way * _BEYOND * (high - low))
         if guess is not None and guess.word != stretch.equations.word:
             yield guess
 
