@@ -30,6 +30,7 @@ from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, Branch
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
 from nonsmooth.runs.progress import HeldInterrupts, Progress
 from nonsmooth.runs.runner import build_tables
+from nonsmooth.runs.start import carried_parameters
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
@@ -70,13 +71,15 @@ def continue_orbit(
     ----------
     system : System or StroboscopicMap
         The system; its value of the parameter, which lies within the bounds, is where the branch
-        begins.
+        begins, unless ``initial`` is an orbit found with other ``parameters``.
     parameter : str
         Name of the parameter.
     between : (float, float)
         Lowest and highest value.
     initial : mapping, dataset or run, optional
-        As in `find_orbit`: where the first orbit is guessed from. With ``special``, a branch.
+        As in `find_orbit`: where the first orbit is guessed from. The branch of an orbit that was
+        found with other ``parameters`` has these, and begins where they are; ``parameters={}``
+        takes those of the system. With ``special``, a branch.
     period : int, optional
         Periods of the forcing in one turn, as in `find_orbit`; that of an orbit or a branch given
         as ``initial``, where it has one.
@@ -287,6 +290,9 @@ def read_branch_options(
     if isinstance(base, System) and not is_known(parameter, base.parameters):
         raise OptionError(unknown_name("parameter", str(parameter), base.parameters))
     beginning = Beginning()
+    is_new = special is None and shared.parameters is None and is_orbit(initial)
+    if is_new and isinstance(base, System):
+        shared = replace(shared, parameters=carried_parameters(base, initial) or None)
     if special is not None:
         initial, beginning = _at_special(initial, special, parameter)
         shared = _at_value(shared, parameter, float(initial[parameter]))

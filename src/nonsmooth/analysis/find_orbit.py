@@ -50,7 +50,7 @@ def find_orbit(
         which it begins.
     transient : int, optional
         Periods that the motion is left to itself before the guess is taken; 0 where ``initial`` is
-        given, 200 otherwise.
+        given, 200 otherwise, and 2000 where no orbit is found after these.
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nonsmooth.continuation.bordered import Determinant, solve_bordered
-from nonsmooth.continuation.equations import Equations
+from nonsmooth.continuation.equations import Equations, Linearised
 from nonsmooth.continuation.point import Array, NotConverged, Refused
 
 __all__ = ["Corrector", "Node", "arc", "effort", "turn"]
@@ -22,6 +22,9 @@ __all__ = ["Corrector", "Node", "arc", "effort", "turn"]
 
 _ROUNDING = 1e3  # times the tolerance: steps this small that no longer shrink are rounding
 _SHRINK = 0.25  # of a Newton step by the next one, above which it no longer does
+_NOISE = 1e-3  # of the reach: longer steps that rounding makes spoil the step along the curve
+_ROUNDINGS = 1e4  # in the terms of a residual that no step makes smaller
+_EPS = float(np.finfo(float).eps)
 # What a step of the right length has; twice the effort is refused.
 _TURN = 0.15  # angle between the tangents at its ends
 _BEND = (
@@ -105,14 +108,26 @@ class Corrector:
             if iteration == 2:
                 contraction = length / before if before > 0.0 else 0.0
             small = length <= self.tolerance * size
-            floor = length <= _ROUNDING * self.tolerance * size and length > _SHRINK * before
-            if small or floor:
+            floor = length <= _ROUNDING * self.tolerance * size
+            noise = length <= _NOISE * reach < math.inf
+            if not small and length > _SHRINK * before and (floor or noise):
+                # a nearly singular system makes long steps of rounding, which are no contraction
+                rounding = self._is_rounding(at, u, p)
+                contraction = 0.0 if rounding else contraction
+                small = floor or rounding
+            if small:
                 residual = float(np.abs(at.r).max())
                 return Node(u, p, tangent, determinant, iteration, residual, contraction)
             if gone > reach or length > 2.0 * before:
                 break
             before = length
         raise NotConverged("Newton's method does not settle")
+
+    def _is_rounding(self, at: Linearised, u: Array, p: float) -> bool:
+        """Whether a residual is what rounding of its terms leaves."""
+        *large, last = np.maximum(self.equations.sizes, np.abs(np.append(u, p)))
+        terms = abs(at.J_u) @ np.array(large) + abs(at.J_p) * last
+        return bool(np.all(np.abs(at.r) <= _ROUNDINGS * _EPS * terms))
 
     def length(self, u: Array, p: float) -> float:
         """Distance from the origin in scaled terms."""

@@ -35,7 +35,7 @@ _EPS = float(np.finfo(float).eps)
 _NEAR = 1e-6  # of the segment: a bracket in which a refused trial no longer matters
 _RISE = 1e3  # a value that grows by this much towards its change of sign has a pole there
 _TRIALS = 80
-_SMALL = 1e-3  # part of the end values below which a determinant is nearly zero
+_SMALL = 1e-3  # part of the end values below which a test is nearly zero
 _CLEAR = 1e-6  # part of the slopes at the ends, above which one beside a crossing is no rounding
 _STILL = 1e-10  # slopes of the parameter by the arclength that are rounding
 # part of the step, within which a crossing is the one that was found along the branch
@@ -104,15 +104,23 @@ class CurveSegment:
             return 1.0, self.last
         nodes: dict[float, Node] = {0.0: self.first, 1.0: self.last}
 
+        def is_small(told: float) -> bool:
+            """At a zero that is singular for another reason the guess is the best that is known."""
+            return abs(told) <= _SMALL * max(abs(low), abs(high))
+
         def at(x: float) -> float:
             if x not in ends:
                 try:
                     nodes[x] = self.trial(x)
                     ends[x] = value(nodes[x])
                 except (SingularMatrix, NotConverged) as refusal:
-                    if not (zero_where_singular and _believed(refusal, x, ends)):
+                    nodes[x] = self.uncorrected(x)
+                    if zero_where_singular and _believed(refusal, x, ends):
+                        ends[x] = 0.0
+                    elif zero_where_singular or not is_small(told := value(nodes[x])):
                         raise
-                    nodes[x], ends[x] = self.uncorrected(x), 0.0
+                    else:
+                        ends[x] = told
                 if not math.isfinite(ends[x]):
                     raise Refused("a test has no value between two points")
             return ends[x]

@@ -299,11 +299,11 @@ def _vanishing(looked: Looked, name: str) -> list[str]:
     """Tests of the kind of this one that vanish at the same point; none where it is alone."""
     if name in ("motion", *_AT_SECTION):
         return []
-    kind = what_of(name)
+    kind, together = what_of(name), max(_TOGETHER, looked.rounding)
     found = [
         other
         for other, value in looked.tests.items()
-        if what_of(other) == kind and (other == name or abs(value) <= _TOGETHER)
+        if what_of(other) == kind and (other == name or abs(value) <= together)
     ]
     return found if len(found) > 1 else []
 

@@ -13,7 +13,7 @@ from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_change import end_at
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
 from nonsmooth.periodic_orbits.branch_start import tangent_at
-from nonsmooth.periodic_orbits.branch_tests import broken_tests, is_of_word
+from nonsmooth.periodic_orbits.branch_tests import broken_tests, is_of_word, what_of
 from nonsmooth.periodic_orbits.cycle_plane import direction_on, on_new_plane, on_plane_of
 from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError, Legs
@@ -96,7 +96,9 @@ def _within_rounding(change: BranchPart, motion: BranchPart) -> BranchPart:
     Both words stand at the change itself. Where only the engine tells it, it is told at the last
     motion before.
     """
-    if not broken_tests(change.looked, -BY_ROUNDING):
+    # of tests of one kind that vanish together, one has been located, and others lie beside it
+    broken = broken_tests(change.looked, -max(BY_ROUNDING, change.looked.rounding))
+    if {what_of(name) for name in broken} <= {what_of(change.test)} - {"motion"}:
         looked = replace(change.looked, admissibility=Admissibility(True))
         return replace(change, looked=looked)
     return replace(

@@ -37,6 +37,9 @@ Floats = npt.NDArray[np.float64]
 REGULAR = ("graze", "corner", "slide", "enter", "rest")  # tests that are smooth where a leg begins
 _SOLVED = 1e-7  # scaled residual of a start where the equations are singular
 _ASTRAY = 1e-6  # of the size of an orbit that changes its word: as far from its guess as none is
+_GAIN = 1e4  # of a residual: a solution that far from its guess is not better than that
+_ZERO = 1e-6  # of the next singular value: one that is zero, but for rounding
+_OFF = 1e-3  # of the range of the parameter: away from orbits that cross a branch
 _NEWTON = 20
 _SMALL = 1e-6  # scaled step that tells which way a test grows
 _BEYOND = 1e-6  # of a test of the word that is negative at a start, more than rounding is
@@ -50,13 +53,27 @@ _LEAST = 2e-3
 
 def tangent_at(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, float]:
     """Direction of the branch at an orbit, in unknowns and parameter."""
+    du, dp, _ = _tangent(equations, unknowns)
+    return du, dp
+
+
+def _tangent(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, float, bool]:
+    """The same, and whether orbits at one value of the parameter cross the branch there.
+
+    Of the directions of both the one is taken in which the parameter changes most: where a symmetry
+    is broken, the others are at a right angle to it.
+    """
     _, jacobian, moved = equations.evaluate(unknowns)
     scale = scale_of(equations, unknowns)
     size = max(1.0, abs(float(moved[:, 0] @ moved[:, 0])) ** 0.5)
     matrix = np.column_stack([jacobian * scale, moved[:, 0] / size])
     weights = np.abs(matrix).max(axis=1, keepdims=True)
-    direction = np.linalg.svd(matrix / np.where(weights > 0.0, weights, 1.0))[2][-1]
-    return direction[:-1] * scale, float(direction[-1]) / size
+    _, sizes, vectors = np.linalg.svd(matrix / np.where(weights > 0.0, weights, 1.0))
+    crosses = bool(sizes.size > 1 and sizes[-1] <= _ZERO * sizes[-2])
+    free = vectors[-2:] if crosses else vectors[-1:]
+    direction = free.T @ free[:, -1] if crosses else free[0]
+    direction = direction / max(float(np.linalg.norm(direction)), 1e-300)
+    return direction[:-1] * scale, float(direction[-1]) / size, crosses
 
 
 def begin_change(stretch: BranchStretch, change: Change, point: Point) -> BranchStart | None:
@@ -87,8 +104,12 @@ def _begin_change(stretch: BranchStretch, change: Change, point: Point) -> Branc
             return None
         unknowns, value = found
         stretch.set_parameter(value)
-        du, dp = tangent_at(equations, unknowns)
+        du, dp, crosses = _tangent(equations, unknowns)
         way = _way(stretch, equations, unknowns, value, (du, dp), change, point)
+        if crosses and change.kind == "section":
+            unknowns, value = _off_crossing(stretch, equations, unknowns, value, (du, dp), way)
+            before, (du, dp) = dp, tangent_at(equations, unknowns)
+            way = way if dp * before >= 0.0 else -way
     except LegError:
         return None
     start = BranchStart(equations, unknowns, value, (way * du, way * dp), change.grows, change.kind)
@@ -102,16 +123,38 @@ def _solve(
 ) -> tuple[Floats, float] | None:
     """The orbit at this parameter; the guess itself where it is one and the equations singular.
 
-    Of a family of cycles of all sizes it is the nearest one.
+    Of a family of orbits that solve them to rounding it is the nearest one.
     """
     solution = solve_orbit(equations, unknowns)
-    if equations.autonomous:
-        away = np.abs((solution.unknowns - unknowns) / scale_of(equations, unknowns)).max()
-        member = member_of_family(equations, unknowns) if not away <= _ASTRAY else None
+    away = np.abs((solution.unknowns - unknowns) / scale_of(equations, unknowns)).max()
+    if not away <= _ASTRAY:
+        member = member_of_family(equations, unknowns) if equations.autonomous else None
+        guess = solve_orbit(equations, unknowns, steps=0)
+        if member is None and guess.residual <= min(_SOLVED, away / _GAIN):
+            return unknowns, value
         solution = member or solution
     if solution.status == "completed":
         return solution.unknowns, value
     return (solution.unknowns, value) if solution.residual <= _SOLVED else None
+
+
+def _off_crossing(
+    stretch: BranchStretch, equations: OrbitEquations, unknowns: Floats, value: float,
+    direction: tuple[Floats, float], way: float,
+) -> tuple[Floats, float]:  # fmt: skip
+    """An orbit a little farther along the branch, where no others cross it; the same if none is.
+
+    No equation says there which of them goes on.
+    """
+    (low, high), (du, dp) = stretch.options.bounds, direction
+    along = way * _OFF * (high - low) / max(abs(dp), 1e-300)
+    if low <= value + along * dp <= high:
+        stretch.set_parameter(value + along * dp)
+        found = solve_orbit(equations, unknowns + along * du)
+        if found.status == "completed":
+            return found.unknowns, value + along * dp
+        stretch.set_parameter(value)
+    return unknowns, value
 
 
 def _solve_opened(

@@ -40,7 +40,7 @@ from nonsmooth.periodic_orbits.onto import (
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.rest_margin import RestMargins
 from nonsmooth.periodic_orbits.strobes import NO_STROBES, Strobes, strobes_of
-from nonsmooth.periodic_orbits.symmetric import Reflection, reflection
+from nonsmooth.periodic_orbits.symmetric import Reflection, half_turn_later, reflection
 from nonsmooth.periodic_orbits.word import Word
 
 __all__ = [
@@ -80,6 +80,9 @@ _AT_CHANGE = 1e-9  # of a test: the word is about to change
 _OF_REST = 1e-6
 _OF_GUARDS = ("graze", "corner", "gain", "over")  # what is a guard, and not a rate or a duration
 _TOUCHES = 1e-6  # speed of an impact beside the rates of all states
+# of tests: what rounding makes of them over the distance of a multiplier from 1, and its most
+_ROUNDING, _MOST_ROUNDING = 1e-14, 1e-5
+_NEARLY_ONE = 1e-4  # distance of a multiplier from 1 at which rounding begins to be seen
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
 
 
@@ -146,6 +149,11 @@ def largest_along(equations: OrbitEquations, turn: Turn) -> Floats:
     return np.asarray(np.abs(states_along(equations, turn)).max(axis=0))
 
 
+def _from_one(multipliers: Floquet) -> float:
+    """Distance of the nearest multiplier from 1, at most 1."""
+    return float(np.abs(multipliers.multipliers - 1.0).min(initial=1.0))
+
+
 @dataclass
 class Looked:
     """An orbit on a branch, looked at."""
@@ -161,6 +169,11 @@ class Looked:
     other: tuple[OrbitEquations, Floats] | None = None  # with the rebounds that the engine follows
     reflection: Reflection | None = None  # under the declared symmetry
     strobes: Strobes = NO_STROBES
+
+    @property
+    def rounding(self) -> float:
+        """What tests are known to: rounding moves an orbit far that has a multiplier close to 1."""
+        return min(_MOST_ROUNDING, _ROUNDING / max(_from_one(self.multipliers), 1e-300))
 
 
 def _shortest(wiring: Wiring, mode: int, k: int, word: Word) -> float:
@@ -236,6 +249,9 @@ class BranchTests:
         tests = tests_of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
         kept, faded = self._of_word(turn, found, beside)
+        image = reflection(equations, turn)
+        if image is not None and image.later == 0.5 and _from_one(multipliers) < _NEARLY_ONE:
+            kept = self._alike(kept)
         tests |= kept
         other = None
         if self.whole:
@@ -259,7 +275,7 @@ class BranchTests:
             # else the word is about to change, and rounding decides what the engine finds
         looked = Looked(
             turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests,
-            other, reflection(equations, turn), strobes_of(equations, turn),
+            other, image, strobes_of(equations, turn),
         )  # fmt: skip
         if len(self._seen) >= _REMEMBERED:
             del self._seen[next(iter(self._seen))]
@@ -361,6 +377,18 @@ class BranchTests:
                 tests[name] += margin
         self._clear |= {name for name, value in tests.items() if abs(value) > _ZERO}
         return {name: value for name, value in tests.items() if name in self._clear}, faded
+
+    def _alike(self, tests: dict[str, float]) -> dict[str, float]:
+        """Tests of an orbit that is its own image, the same in both halves of its turn.
+
+        Where a perturbation that breaks the symmetry hardly decays, rounding makes halves differ.
+        Their mean is left.
+        """
+        later = {name: half_turn_later(self.equations, name) for name in tests}
+        return {
+            name: 0.5 * (value + tests[later[name]]) if later[name] in tests else value
+            for name, value in tests.items()
+        }
 
     def _told_of(self, kept: dict[str, float]) -> set[str]:
         """Names of the tests that were there before, or are clear of zero.

@@ -85,6 +85,7 @@ class OrbitRequest:
     mode: str | None
     words: tuple[Word, ...]  # none where the word is that of the motion
     tolerance: float
+    longest: int = 0  # transient, where the motion has not settled by the first one
 
 
 @dataclass(frozen=True)

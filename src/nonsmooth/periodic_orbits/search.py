@@ -67,9 +67,16 @@ def is_autonomous(legs: Legs) -> bool:
 
 
 def search_orbit(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
-    """Find the orbit that is wanted."""
-    if wanted.words:
-        return _search_word(wanted, legs)
+    """Find the orbit that is wanted, after a longer transient where the first one is too short."""
+    found = _search_word(wanted, legs) if wanted.words else _search_motion(wanted, legs)
+    if found.status == "completed" or wanted.longest <= wanted.transient:
+        return found
+    settled = _search_motion(replace(wanted, transient=wanted.longest), legs)
+    return settled if settled.status == "completed" else found
+
+
+def _search_motion(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
+    """The orbit to which the motion from the start comes."""
     known = _from_orbit(wanted, legs)
     if known is not None and known.status == "completed":
         return _passed_once(wanted, legs, known)

@@ -80,7 +80,7 @@ class StepCheck:
         return all(
             each.admissibility.admissible
             or self._is_before(each)
-            or (k == end and broken_tests(each) <= at_once)
+            or (k == end and broken_tests(each, -each.rounding) <= at_once)
             for k, each in enumerate(looked[: end + 1])
             if k
         )

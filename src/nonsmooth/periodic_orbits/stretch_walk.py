@@ -89,7 +89,9 @@ class StretchWalk:
         self.following: BranchStart | None = None
         self.ended: Followed | None = None
         self._stands: tuple[Point, Looked] | None = None  # the last motion
-        self._before: Mapping[str, float] = {}  # tests of the last point that was a motion
+        # tests of the last point that was a motion; behind a change until then of the first point
+        self._before: Mapping[str, float] = {}
+        self._begun: Mapping[str, float] = {}
         self._direction = start.direction  # at the last point that is not special
         self._is_located = not start.located
         self._unclear = 0  # points that rounding has left open so far
@@ -114,7 +116,9 @@ class StretchWalk:
                 looked = self.stretch.look(point)
             except LegError:
                 continue
-            first = first or (point, looked)
+            if first is None:
+                first = point, looked
+                self._begun = looked.tests if self.begin > 0.0 else {}
             if self._is_again(point, looked):
                 if self._locates(point):
                     # a graze that was approached along an excursion, from its regular side
@@ -192,7 +196,8 @@ class StretchWalk:
             self._unclear += 1
             return True  # where the word has just changed rounding decides what the engine finds
         # a test of the word that rises; one that has just come to zero, with a fold, has fallen
-        return is_of_word(name) and self._before.get(name, 1.0) < -BY_ROUNDING
+        before = self._before or self._begun
+        return is_of_word(name) and before.get(name, 1.0) < -BY_ROUNDING
 
     def _locates(self, point: Point) -> bool:
         """Whether a point is the graze on whose other side the stretch begins."""

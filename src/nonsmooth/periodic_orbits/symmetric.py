@@ -24,7 +24,7 @@ from nonsmooth.periodic_orbits.multipliers import leg_factors
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.system.symmetry.mirror import Mirror
 
-__all__ = ["Reflection", "is_antisymmetric", "mirror_image", "reflection"]
+__all__ = ["Reflection", "half_turn_later", "is_antisymmetric", "mirror_image", "reflection"]
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
@@ -130,6 +130,29 @@ def reflection(equations: OrbitEquations, turn: Turn) -> Reflection | None:
     later = next(own, None)
     halves = _half_multipliers(equations, turn, matrix) if later == 0.5 else np.zeros(0, complex)
     return Reflection(later, halves)
+
+
+def half_turn_later(equations: OrbitEquations, name: str) -> str:
+    """Test of a word, such as "rate:2", that an own image has half a turn after this one.
+
+    "" where there is none: tests of the leg that the section cuts are those of a part of it.
+    """
+    word, mirror = equations.word, _mirror_at(equations.legs)
+    kind, *numbers = name.split(":")
+    events = len(word) - (not word.closes_at_event)
+    if mirror is None or events % 2 or not (numbers and numbers[0].isdigit()):
+        return ""
+    k = int(numbers[0])
+    later = (k + events // 2) % events
+    is_cut = not word.closes_at_event and 0 in (k, later)
+    if k >= events or (is_cut and kind in ("leg", "graze")):
+        return ""
+    if kind in ("graze", "corner", "over", "enter"):
+        # guards of "over" and "enter" are those of the next leg
+        mode = word.modes[(k + (kind in ("over", "enter"))) % len(word)]
+        image = mirror.path(mode, (int(numbers[1]),))
+        return "" if image is None else f"{kind}:{later}:{image[0]}"
+    return ":".join([kind, str(later), *numbers[1:]])
 
 
 def is_antisymmetric(equations: OrbitEquations, turn: Turn, own: Reflection | None) -> bool:

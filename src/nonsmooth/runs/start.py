@@ -33,6 +33,7 @@ __all__ = [
     "GOES_ON",
     "Start",
     "begin",
+    "carried_parameters",
     "check_carried",
     "complete_state",
     "mode_numbers",
@@ -282,7 +283,7 @@ def refuse_other_parameters(
     known = system.parameter_values
     other = {
         name: value
-        for name, value in _carried(system, data).items()
+        for name, value in carried_parameters(system, data).items()
         if name not in swept and value != known[name]
     }
     if not other:
@@ -294,7 +295,7 @@ def refuse_other_parameters(
     )
 
 
-def _carried(system: System, data: Any) -> dict[str, float]:
+def carried_parameters(system: System, data: Any) -> dict[str, float]:
     """Parameters of the system that a result was made with, where it tells that they changed."""
     names = [name for name in system.parameters if name not in system.slow]
     found: dict[str, float] = {}

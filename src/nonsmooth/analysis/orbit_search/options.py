@@ -24,6 +24,7 @@ from nonsmooth.system.system import System
 __all__ = ["period_of", "read_wanted", "said_of_options", "system_of_one"]
 
 _TRANSIENT = 200
+_LONGER = 10  # times that, where the motion has not settled by then
 _MOST_PERIODS = 1000
 _PROBES = 5  # instants at which rates are compared
 
@@ -86,13 +87,15 @@ def read_wanted(
         )
     names = () if word is None else read_word(system, word)
     words = words_of_names(system, names, autonomous=not driven) if names else []
+    longest = 0
     if transient is None:
         transient = _TRANSIENT if initial is None and not names else 0
+        longest = _LONGER * transient
     elif finite_number("transient", transient) != int(transient) or transient < 0:
         raise OptionError(f"transient = {transient}: give a whole number of periods, 0 or more")
     wanted = OrbitRequest(
         system, initial, period * every, check_phase(phase), int(transient), shared.mode,
-        tuple(words), shared.tolerance,
+        tuple(words), shared.tolerance, longest,
     )  # fmt: skip
     return wanted, names
 
