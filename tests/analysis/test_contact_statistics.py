@@ -211,3 +211,20 @@ def test_a_value_that_would_be_lost():
 def test_wrong_options(options, text):
     with pytest.raises(ns.OptionError, match=text):
         ns.contact_statistics(wave(), **options)
+
+
+def test_extremes_of_a_harmonic_motion_lie_within_the_told_errors():
+    """A contact that does nothing: x has the amplitude of a linear oscillator."""
+    flow = {"x": "v", "v": "F*cos(w*t) - 0.2*v - x"}
+    system = ns.System(
+        states=["x", "v"], parameters={"g": 0.4, "F": 2.5, "w": 2.0}, period="2*pi/w",
+        modes={
+            "free": ns.Mode(flow, exits=[ns.Exit("g - x", to="contact", name="impact")]),
+            "contact": ns.Mode(flow, exits=[ns.Exit("x - g", to="free", name="release")]),
+        },
+    )  # fmt: skip
+    found = ns.contact_statistics(system, of="x", transient=200, record=3)
+    amplitude = 2.5 / abs(1.0 - 4.0 + 0.4j)
+    for name, value in (("x_max", amplitude), ("x_min", -amplitude)):
+        assert float(found[f"{name}_error"]) < 1e-9
+        assert abs(float(found[name]) - value) <= float(found[f"{name}_error"]) + 1e-14

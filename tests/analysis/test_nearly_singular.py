@@ -56,3 +56,10 @@ def test_the_branch_of_an_orbit_begins_at_its_parameters(oscillator):
     )
     begin = own.isel(point=int(np.flatnonzero(own["arclength"].values == 0.0)[0]))
     assert float(begin["omega"]) == pytest.approx(0.7, rel=1e-12)
+
+
+def test_resonance_without_damping_is_an_amplitude_without_bound(oscillator):
+    """Friction takes less work per turn than the force gives at omega = 1 while f < pi/4."""
+    branch = ns.continue_orbit(oscillator, "omega", (0.6, 1.5), direction="up")
+    assert branch.attrs["end_last"] == "unbounded"
+    assert float(branch["omega"].values.max()) == pytest.approx(1.0, abs=1e-5)

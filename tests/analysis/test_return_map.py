@@ -243,6 +243,28 @@ def test_root_of_a_grazing_parabola():
     assert np.allclose(found["image"], expected, atol=1e-13)
 
 
+@pytest.mark.parametrize(
+    ("beyond", "kind"),
+    [
+        ("m - sqrt(abs(x - 0.03))", "root"),
+        ("m + a*(x - 0.03) - abs(x - 0.03)**1.5", "smooth"),
+        ("m + 2*a*(x - 0.03)", "corner"),
+    ],
+)
+def test_borders_of_formulas_without_a_derivative_there(beyond, kind):
+    """Nordmark's map and its relatives: the kind is that of the formula beyond the border."""
+    formula = f"where(x < 0.03, a*(x - 0.03) + m, {beyond})"
+    tick = ns.Exit("1 - c", reset={"c": "c - 1", "x": formula}, name="tick")
+    system = ns.System(
+        states=["x", "c"], parameters={"a": 0.6, "m": 0.05},
+        modes={"hold": ns.Mode({"x": "0", "c": "1"}, exits=[tick])},
+    )  # fmt: skip
+    found = ns.return_map(ns.PoincareMap(system, "tick", side="after"), "x", (-0.1, 0.3))
+    at = int(np.argmin(np.abs(found["border_start"].values - 0.03)))
+    assert float(found["border_start"][at]) == pytest.approx(0.03, abs=1e-14)
+    assert found["border_kind"].values[at] == kind
+
+
 def test_strobed_system_and_its_derivative():
     """A system stands for its stroboscopic map; slopes are those of its tangent along the rule."""
     system = ns.models.soft_impact()

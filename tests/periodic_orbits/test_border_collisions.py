@@ -70,3 +70,18 @@ def test_a_border_is_passed_by_a_leg_that_the_strobe_cuts():
     mu = branch["mu"].values
     slope = np.where(mu > 0.0, -0.5, 0.6)
     assert branch["y"].values == pytest.approx(1.0 + mu / (1.0 - slope), abs=ROUNDING)
+
+
+@pytest.mark.parametrize("beyond", [-0.5, 1.8])
+def test_a_border_at_zero_is_one_like_any_other(beyond):
+    """x -> a x + m below zero and b x + m above it: m/(1 - a) and m/(1 - b)."""
+    system = clocked("x", "where(x < 0, a*x + m, b*x + m)", a=0.6, b=beyond, m=-0.1)
+    start = ns.find_orbit(system, {"x": -0.2}, transient=30)
+    branch = ns.continue_orbit(system, "m", (-0.3, 0.4), initial=start)
+    assert special(branch) == pytest.approx([0.0], abs=ROUNDING)
+    assert {branch.attrs[f"end_{end}"] for end in ("first", "last")} == {"bound"}
+    m, x = branch["m"].values, branch["x"].values
+    slope = np.where(x < 0.0, 0.6, beyond)
+    assert x == pytest.approx(m / (1.0 - slope), abs=ROUNDING)
+    # for b > 1 both orbits lie on the side m < 0, where the branch turns back
+    assert (m.max() > 0.1) == (beyond < 1.0)

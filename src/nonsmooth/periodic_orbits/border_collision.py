@@ -20,7 +20,7 @@ from nonsmooth.periodic_orbits.word import Word, shortest_paths
 
 __all__ = ["beyond_border"]
 
-_ON_SURFACE = 1e-9  # of the terms of a guard along the orbit: it is zero
+_CONSTANT = 1e-9  # of the terms of a guard along the orbit: it does not change by more
 _PLACES = np.array([0.0, 0.5, 1.0])  # of a leg
 
 
@@ -66,7 +66,11 @@ def _entries(word: Word, wiring: Wiring, before: int, beyond: int) -> list[tuple
 
 
 def _lies_on_surface(equations: OrbitEquations, turn: Turn, k: int, g: int) -> bool:
-    """Whether a guard is zero where leg k begins, in the middle of it, and where it ends."""
+    """Whether a guard that is zero where leg k ends is so where it begins and in the middle of it.
+
+    It does not change there, beside its terms. How large it is says nothing where the border is
+    at zero and the states are, so that the terms are no larger.
+    """
     legs, mode, (begin, end) = equations.legs, equations.word.modes[k], turn.instants[k : k + 2]
     ends = begin + _PLACES * (end - begin)
     open_legs = Word((mode,) * ends.size, ((),) * ends.size)
@@ -74,4 +78,4 @@ def _lies_on_surface(equations: OrbitEquations, turn: Turn, k: int, g: int) -> b
     guards = legs.follow_each(open_legs, states, np.full(ends.size, begin), ends).others[:, g]
     row = np.abs(legs.tables.affine[mode, DERIVATIVES * g])
     terms = row[: legs.n] @ np.abs(turn.states).max(axis=0) + row[legs.n]
-    return bool(np.abs(guards).max() <= _ON_SURFACE * terms)
+    return bool(np.ptp(guards) <= _CONSTANT * terms)

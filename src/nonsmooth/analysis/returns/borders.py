@@ -24,8 +24,9 @@ Flags = npt.NDArray[np.bool_]
 KINDS = ("jump", "corner", "root", "smooth", "end")
 _MOST = 200  # borders that are looked for; where impacts accumulate there is no end of them
 _WIDTH = 8.0 * float(np.finfo(float).eps)  # of a border, beside the values and the interval
-_NEAR, _FAR = 1e-9, 1e-7  # of the interval: places beside a border that tell its kind
-_STEEP = 30.0  # how much steeper a root is by the nearer place, or slopes by rounding
+# of the interval: places beside a border. Starts nearer than 1e-12 of their size count as on it
+_NEAREST, _NEAR, _FAR = 1e-11, 1e-9, 1e-7
+_STEEP = 3.0  # how much steeper a root is from place to place, at least; it is 10 times
 _BEND = 1e-5  # of slopes, above which they differ
 
 Integers = npt.NDArray[np.int64]
@@ -105,6 +106,10 @@ def border_kinds(reduced: ReducedMap, borders: Borders, branch: MappedStarts) ->
     extent = extent_of(branch.image)
     sides = [(borders.low, -span), (borders.high, span)]
     at = [reduced.at(place) for place, _ in sides]
+    # not at the border itself: a formula that ends there may have no derivative
+    nearest = [
+        reduced.at(place + _NEAREST * (way + np.sign(way) * np.abs(place))) for place, way in sides
+    ]
     near = [reduced.at(place + _NEAR * way) for place, way in sides]
     far = [reduced.at(place + _FAR * way) for place, way in sides]
     kinds = []
@@ -112,16 +117,18 @@ def border_kinds(reduced: ReducedMap, borders: Borders, branch: MappedStarts) ->
         if not (at[0].images.there[i] and at[1].images.there[i]):
             kinds.append("end")
             continue
-        steep = [abs(n.slope[i]) > 3.0 * abs(f.slope[i]) for n, f in zip(near, far, strict=True)]
-        grows = [abs(a.slope[i]) > _STEEP * abs(n.slope[i]) for a, n in zip(at, near, strict=True)]
-        root = any(s and g for s, g in zip(steep, grows, strict=True))
+        root = any(
+            abs(there.slope[i]) > _STEEP * abs(close.slope[i])
+            and abs(close.slope[i]) > _STEEP * abs(away.slope[i])
+            for there, close, away in zip(nearest, near, far, strict=True)
+        )
         change = float(coordinate.change(at[1].image[i : i + 1] - at[0].image[i : i + 1])[0])
         if abs(change) > (JUMP if root else _NEAR) * extent:
             kinds.append("jump")
         elif root:
             kinds.append("root")
         else:
-            one, other = near[0].slope[i], near[1].slope[i]
+            one, other = nearest[0].slope[i], nearest[1].slope[i]
             bends = abs(one - other) > _BEND * max(abs(one), abs(other), extent / span)
             kinds.append("corner" if bends else "smooth")
     return kinds

@@ -28,7 +28,9 @@ _HALVINGS = 8
 _MOST = 20_000  # panels; a variable that jumps within modes would need ever more
 _INSIDE = 1.0 - 1e-9  # just within the ends of a panel, where no node lies
 _SHORTEST = 1e-12  # of the duration; what is shorter lies within rounding of an event
-_FINE = 32  # parts of a panel for extremes, around which it is done once more, and for percentiles
+_FINE = 32  # parts of a panel in which extremes are looked for, and for percentiles
+_PART = 2.0 / _FINE
+_NEWTON = 5  # steps from the highest of these places to where the series turns
 _FINE_AT = np.linspace(-1.0, 1.0, _FINE + 1)
 _EVALUATE = legendre.legvander(_FINE_AT, _NODES - 1)
 _MIDDLES = legendre.legvander(0.5 * (_FINE_AT[1:] + _FINE_AT[:-1]), _NODES - 1)
@@ -66,10 +68,22 @@ class Panels(NamedTuple):
     def highest(self) -> tuple[float, float]:
         """The largest value and its error."""
         values = self.coefficients @ _EVALUATE.T
-        panel, k = np.unravel_index(np.argmax(values), values.shape)
-        near = np.clip(_FINE_AT[k] + _FINE_AT * (2.0 / _FINE), -1.0, 1.0)
-        peak = float(legendre.legval(near, self.coefficients[panel]).max())
-        return peak, float(self.errors()[panel])
+        highest = values.argmax(axis=1)
+        peaks = np.maximum(values.max(axis=1), self._turning_near(_FINE_AT[highest]))
+        panel = int(np.argmax(peaks))
+        return float(peaks[panel]), float(self.errors()[panel])
+
+    def _turning_near(self, places: Floats) -> Floats:
+        """Values where the series turns, next to a place in each panel: a root of its slope."""
+        slopes = legendre.legder(self.coefficients, axis=1)
+        bends = legendre.legder(slopes, axis=1)
+        low, high = np.maximum(places - _PART, -1.0), np.minimum(places + _PART, 1.0)
+        for _ in range(_NEWTON):
+            slope, bend = _values(slopes, places), _values(bends, places)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = slope / bend
+            places = np.clip(places - np.where(np.isfinite(step), step, 0.0), low, high)
+        return _values(self.coefficients, places)
 
     def lowest(self) -> tuple[float, float]:
         """The smallest value and its error."""
@@ -83,6 +97,13 @@ class Panels(NamedTuple):
         order = np.argsort(values, kind="stable")
         passed = np.cumsum(weights[order]) - 0.5 * weights[order]
         return np.asarray(np.interp(parts / 100.0 * weights.sum(), passed, values[order]))
+
+
+def _values(coefficients: Floats, places: Floats) -> Floats:
+    """Series at one place each; (P, n) and (P,)."""
+    return np.asarray(
+        (legendre.legvander(places, coefficients.shape[1] - 1) * coefficients).sum(axis=1)
+    )
 
 
 def fit_panels(evaluate: Callable[[Floats], Floats], breaks: Floats, duration: float) -> Panels:
