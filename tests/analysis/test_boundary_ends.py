@@ -234,3 +234,23 @@ def test_a_cycle_that_shrinks_with_its_period(p, between):
     assert [float(last[name]) for name in "xyz"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
     with pytest.raises(ns.OptionError, match="is a pseudo_hopf point"):
         ns.continue_special(branch, branch.sizes["special"] - 1, "p", (1.0, 5.0))
+
+
+def test_cycles_of_a_third_order_relay_shrink_onto_the_rest_at_its_threshold():
+    """The rest of y < b is y = 1.25, q = 0.5, so it lies on the surface at b = 1.25.
+
+    A multiplier grows as one over the distance from there, so equations lose their digits before
+    the cycle is next to nothing.
+    """
+    relay = ns.System(
+        states=["y", "z", "q"], parameters={"b": 1.2}, initial={"y": 1.0},
+        equations={"y": "z", "z": "q - z - 0.4*y", "q": "-2*q - sign(y - b)"},
+    )  # fmt: skip
+    branch = ns.continue_orbit(
+        relay, "b", (1.1, 1.3), initial=ns.find_orbit(relay, transient=10), direction="up"
+    )
+    assert branch.attrs["end_last"] == "boundary_equilibrium"
+    assert list(branch["special_kind"].values[-2:]) == ["fold", "boundary_equilibrium"]
+    assert float(branch["special_value"][-1]) == pytest.approx(1.25, abs=1e-12)
+    end = branch.isel(point=-1)
+    assert [float(end[name]) for name in "yzq"] == pytest.approx([1.25, 0.0, 0.5], abs=1e-11)

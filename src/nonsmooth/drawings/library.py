@@ -21,7 +21,7 @@ note = "each bar is a state over its largest size, max"
 {parts}
 [view]
 x = [-0.9, {right}]
-y = [-1.75, 1.75]
+y = [-1.7, 2.35]
 
 [[shapes]]
 kind = "line"

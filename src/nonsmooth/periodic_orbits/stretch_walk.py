@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.continuation.point import Point
 from nonsmooth.errors import RunError
+from nonsmooth.periodic_orbits.admissibility import Admissibility
 from nonsmooth.periodic_orbits.branch_change import (
     SHRINKS,
     broken_test,
@@ -63,6 +64,7 @@ _SHORTER = (
 )
 _AT_HALVING = ("branch_point", "fold")  # a doubled branch turns back where it has come back
 _REPEATED = 1e-5  # part of its size within which a turn repeats a shorter orbit
+_IN_PROPORTION = 0.05  # part by which sizes of cycles differ from their distance from an end
 _CLOSE = 1e-4  # of a test that is about to vanish where no step succeeds any more
 BY_ROUNDING = 1e-8  # of a test that vanishes together with another one, by rounding
 _BESIDE = (1e-10, 1e-8, 1e-6, 1e-4)  # of the last step: how far from a change orbits are looked at
@@ -164,6 +166,10 @@ class StretchWalk:
                 self.ended = end_at("shrink", looked, self.stretch)
                 yield self._at_rest(*rest)
                 return
+        end = self._onto_boundary(point, looked, NEARLY)
+        if end is not None:
+            yield end
+            return
         self.following = past_rebounds(self.stretch, looked, point)
         if self.following is not None:
             return
@@ -247,6 +253,8 @@ class StretchWalk:
             part = part or self._part(looked, point, kind_of(name), detail)
             self.following = None
             self.ended = Followed("halving", f"the branch ends ({kind_of(name)}): {_SHORTER}")
+        if self.following is None and self.ended is None:
+            part = self._onto_boundary(point, looked, NEARLY) or part
         if part is not None:
             yield part
         if self.following is None and self.ended is None:
@@ -372,21 +380,25 @@ class StretchWalk:
         self.stretch.set_parameter(point.p)
         return self._part(looked, replace(point, special="shrink"), "hopf", SHRINKS)
 
-    def _onto_boundary(self, point: Point, looked: Looked) -> BranchPart | None:
+    def _onto_boundary(
+        self, point: Point, looked: Looked, below: float = NOTHING
+    ) -> BranchPart | None:
         """The boundary equilibrium to which cycles with events have shrunk; None if not yet.
 
         Multipliers and durations are those of the last cycle, and hardly change from there on; of
         one that is large enough to have some where the step has come as close as rounding.
         """
         equations, options = self.stretch.equations, self.stretch.options
-        if equations.is_smooth_cycle or not self._is_nothing(point):
+        if equations.is_smooth_cycle or not self._is_nothing(point, below):
             return None
         found = boundary_of_cycles(equations, point, self.stretch.set_parameter, options.bounds)
         self.stretch.set_parameter(point.p)
-        if found is None:
+        if found is None or (below > NOTHING and not self._shrinks_to(found[0], point)):
             return None
         p, rest, leg = found
-        if point.special:
+        if below > NOTHING and self._stands is not None:
+            looked = self._stands[1]  # few digits of smaller ones are known
+        elif point.special:
             looked = self._next_to_end(p, rest) or looked
         name = equations.word.exit_text(options.system, leg)
         detail = f"{SHRINKS}, the rest of a mode on the surface of {name!r}"
@@ -395,9 +407,22 @@ class StretchWalk:
         values = looked.values.copy()
         values[self.stretch.place] = p
         turn = replace(looked.turn, states=np.tile(rest, (len(equations.word), 1)))
-        looked = replace(looked, turn=turn, values=values)
+        stands = Admissibility(True)  # as the cycles before it do
+        looked = replace(looked, turn=turn, values=values, admissibility=stands)
         there = replace(point, p=p, special="shrink")
         return self._part(looked, there, "boundary_equilibrium", detail)
+
+    def _shrinks_to(self, p: float, point: Point) -> bool:
+        """Whether cycles are as large as their distance from a value of the parameter."""
+        if self._stands is None or point.p in (p, self._stands[0].p):
+            return False
+        ratios = []
+        for each in (point, self._stands[0]):
+            self.stretch.set_parameter(each.p)
+            size = (spread_along(self.stretch.equations, each.u) / self.first).max()
+            ratios.append(float(size) / (each.p - p))
+        self.stretch.set_parameter(point.p)
+        return abs(ratios[1] / ratios[0] - 1.0) <= _IN_PROPORTION
 
     def _next_to_end(self, p: float, rest: Floats) -> Looked | None:
         """A cycle that is nothing beside the first, from the last motion; None if not found.
