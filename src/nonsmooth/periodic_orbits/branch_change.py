@@ -85,6 +85,7 @@ _MOST_TELLING = (
     "corner",
 )
 _TOGETHER = 1e-6  # a test that vanishes at the same point as another one
+_NEARLY_GONE = 1e-4  # of the turn: a leg whose equations are nearly singular, as it vanishes
 _SLOW = 1e-6  # speed of an impact, beside what the guard comes to in a turn
 _NEARBY = (1e-6, 1e-5, 1e-4, 1e-3)  # of the range: how far from a change motions are looked at
 _BACK = 1e4  # times the step that tells how a test grows: to a change behind settled motions
@@ -270,8 +271,13 @@ def _what_happens(looked: Looked, point: Point) -> str:
     """What a point is special by: a slow impact where the engine only finds another motion.
 
     The engine takes an impact for a graze that reaches behind its guard by rounding only, the
-    square of its speed.
+    square of its speed. Where a leg vanishes onto a surface on which motion slides, it is also at
+    the border of what slides there, and has no speed.
     """
+    if what_of(point.special) == "enter":
+        k = point.special.split(":")[1]
+        lasts, rate = (abs(looked.tests.get(f"{kind}:{k}", 1.0)) for kind in ("leg", "rate"))
+        return f"leg:{k}" if rate <= lasts <= _NEARLY_GONE else point.special
     if point.special != "motion":
         return point.special
     rates = {name: value for name, value in looked.tests.items() if what_of(name) == "rate"}

@@ -36,6 +36,9 @@ _INSIDE = 1e-9  # of the way to the middle of an orbit, which is forgotten at re
 _SHORT = 1e-3  # of the turn: flights at the section behind which no rebound counts by itself
 _NEXT = (1e-7, 1e-6, 1e-5, 1e-4)  # of the range of the parameter
 _ALIKE = 0.1  # part of the duration of a leg by which it differs there at most
+_NO_SPEED = 1e-9  # of the speed of an impact
+_FORGOTTEN = 1e-12  # part of a change that is rounding
+_MOST_TURNS = 1000
 _FARTHER = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2)  # of the range of the parameter
 
 
@@ -103,7 +106,7 @@ def within_chatter(stretch: BranchStretch, looked: Looked, point: Point) -> Bran
     legs = {k for each in found for k in each}
     if name != "motion" and not (numbers and numbers[0].isdigit() and int(numbers[0]) in legs):
         return None
-    if not found:
+    if not found or (name != "motion" and _lands_softly(stretch, looked, int(numbers[0]))):
         return None
     value = point.p
     if point.special in _AT_SECTION:
@@ -113,6 +116,20 @@ def within_chatter(stretch: BranchStretch, looked: Looked, point: Point) -> Bran
     if guess is None or guess.word == word:
         return None
     return start_of(stretch, guess, value, point)
+
+
+def _lands_softly(stretch: BranchStretch, looked: Looked, k: int) -> bool:
+    """Whether a flight begins with an impact that leaves no speed: it is no rebound."""
+    legs, word, turn = stretch.legs, stretch.equations.word, looked.turn
+    before = (k - 1) % len(word)
+    if not word.paths[before]:
+        return False
+    stretch.set_parameter(float(looked.values[stretch.place]))
+    found = legs.follow(word, turn.states, turn.instants)
+    row = found.guard_row[before, : legs.n]
+    speed = abs(float(found.guard_rate[before]))
+    left = abs(float(row @ (found.start_rates[k] - found.end_rates[before])) - speed)
+    return left <= _NO_SPEED * speed
 
 
 def past_rebounds(stretch: BranchStretch, looked: Looked, point: Point) -> BranchStart | None:
@@ -162,13 +179,24 @@ def _are_apart(these: Floats, those: Floats) -> bool:
 
 
 def _same_motion_at(stretch: BranchStretch, looked: Looked, value: float) -> Guess | None:
-    """What the motion is after a turn in which it rests, if its modes are those of the orbit."""
-    states = looked.turn.states
-    guess = motion_from(stretch, states[0], value, 1)
+    """What the motion is when it has settled, if its modes are those of the orbit."""
+    states, turns = looked.turn.states, _turns_to_settle(looked)
+    guess = motion_from(stretch, states[0], value, turns)
     if guess is None:  # an impact at the section may lie behind the wall by rounding
         inside = states[0] + _INSIDE * (states.mean(axis=0) - states[0])
-        guess = motion_from(stretch, inside, value, 1)
+        guess = motion_from(stretch, inside, value, turns)
     return guess if guess is not None and differs_in_rebounds(stretch, guess.word) else None
+
+
+def _turns_to_settle(looked: Looked) -> int:
+    """Turns after which rounding is left of a change: one where all that moves comes to rest.
+
+    One too where the orbit is unstable, from which a motion only goes away.
+    """
+    largest = float(np.abs(looked.multipliers.multipliers).max(initial=0.0))
+    if not _FORGOTTEN < largest < 1.0:
+        return 1
+    return min(_MOST_TURNS, int(np.ceil(np.log(_FORGOTTEN) / np.log(largest))))
 
 
 def differs_in_rebounds(stretch: BranchStretch, word: Word) -> bool:

@@ -233,6 +233,13 @@ def _without_leg(equations: OrbitEquations, turn: Turn, k: int) -> Change:
     new = Word(tuple(word.modes[i] for i in keep), tuple(paths[i] for i in keep))
     instants = np.delete(turn.instants, k if k else 1)
     place = before if before < k else before - 1
+    guess = Guess(new, Turn(turn.states[keep], instants))
+    if _lands_again(word, wiring, before, k):
+        # the second landing has no speed, and happens to nothing: rest begins at the first one
+        paths[before] = word.paths[k]
+        new = Word(new.modes, tuple(paths[i] for i in keep))
+        grows = _entry_test(wiring, place, mode, paths[before], word.modes[k])
+        return Change("switching_sliding", guess._replace(word=new), grows)
     kind = kind_of_leg(wiring, mode, word.paths[before], word.modes[k], word.paths[k])
     grows = f"gain:{place}:{len(word.paths[before])}"
     if len(paths[before]) < len(word.paths[before]):  # the leg was beyond a surface, and is not
@@ -242,8 +249,18 @@ def _without_leg(equations: OrbitEquations, turn: Turn, k: int) -> Change:
         grows = f"slide:{place}"
     elif kind == "switching_sliding":
         grows = _entry_test(wiring, place, mode, paths[before], word.modes[k])
-    guess = Guess(new, Turn(turn.states[keep], instants))
     return Change(kind or "lost", guess, grows)
+
+
+def _lands_again(word: Word, wiring: Wiring, before: int, k: int) -> bool:
+    """Whether leg k is a flight from an impact that leaves no speed to one behind which it rests.
+
+    The wall lets go of a body that lands while its force pulls, and holds it a little later.
+    """
+    first, second = word.paths[before], word.paths[k]
+    mode = word.modes[before]
+    same = mode == word.modes[k] and len(first) == 1 and len(second) > 1 and first[0] == second[0]
+    return same and wiring.resets(mode, first[0])
 
 
 def _in_other_order(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
