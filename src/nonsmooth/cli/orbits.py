@@ -11,7 +11,7 @@ from nonsmooth.cli.command import Task
 from nonsmooth.cli.console import ENDED_EARLY
 from nonsmooth.cli.report import Column, Report, complex_text
 from nonsmooth.cli.saved import saved_dataset
-from nonsmooth.cli.variables import chosen, pair, single
+from nonsmooth.cli.variables import chosen, first_state, pair, single
 from nonsmooth.errors import OptionError, unknown_name
 
 if TYPE_CHECKING:
@@ -184,7 +184,7 @@ def _branch_variable(system: System, text: str | None) -> str:
     """What to draw: by default how fast the system drifts, or its first state."""
     drifts = [f"{name}_per_{unit}" for name in system.drift_states for unit in ("time", "period")]
     if text is None:
-        return drifts[0] if drifts else system.states[0]
+        return drifts[0] if drifts else first_state(system)
     if text in system.outputs:
         raise OptionError(
             f"--draw: {text!r} is an output, and the points of a branch hold states only; draw a"

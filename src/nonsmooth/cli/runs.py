@@ -16,7 +16,7 @@ from nonsmooth.cli.command import Task
 from nonsmooth.cli.console import ENDED_EARLY
 from nonsmooth.cli.options import flag
 from nonsmooth.cli.report import Report
-from nonsmooth.cli.variables import chosen, pair
+from nonsmooth.cli.variables import chosen, first_state, pair
 from nonsmooth.errors import OptionError, ResultWarning, RunError, RunWarning, unknown_name
 from nonsmooth.system.columns import with_error
 
@@ -349,7 +349,7 @@ def _exponents_report(result: xr.Dataset) -> Report:
 def spectrum(task: Task) -> None:
     """``nonsmooth spectrum``."""
     system = task.system
-    variables = names(task["variable"]) or [system.states[0]]
+    variables = names(task["variable"]) or [first_state(system)]
     known = [*system.states, *system.outputs]
     chosen(",".join(variables), known, "--variable", definitions=system.definitions)
     if len(variables) > 2 or len(set(variables)) < len(variables):
@@ -429,7 +429,7 @@ def zero_one(task: Task) -> None:
     if task["period"] is not None:
         StroboscopicMap(system, period=task["period"]).check_whole_periods()
     known = [*system.states, *system.outputs]
-    tested = task["variable"] or system.states[0]
+    tested = task["variable"] or first_state(system)
     if tested not in known:
         raise OptionError(f"--variable: {unknown_name('variable', tested, known)}")
     points = _strobes(task)

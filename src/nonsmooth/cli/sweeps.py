@@ -10,7 +10,7 @@ from nonsmooth.cli.arguments import names, need_period, settings, value_limits, 
 from nonsmooth.cli.basins import or_blank
 from nonsmooth.cli.command import Task
 from nonsmooth.cli.report import Column, Report
-from nonsmooth.cli.variables import single
+from nonsmooth.cli.variables import first_state, single
 from nonsmooth.errors import ModelError, OptionError, unknown_name
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def _add_refusal(report: Report, system: System, result: xr.Dataset) -> None:
 def _diagram_variable(system: System, text: str | None) -> str:
     """What to draw: a state, an output, a count, or how fast the system drifts."""
     if text is None:
-        return system.states[0]
+        return first_state(system)
     counts = ("period", "events", "impacts")
     drifts = [f"{name}_per_{unit}" for name in system.drift_states for unit in ("period", "time")]
     return single(text, [*system.states, *system.outputs, *counts, *drifts])
@@ -142,7 +142,7 @@ def picture(task: Task) -> None:
     system = task.system
     need_period(system, _FORCED)
     parameter, between, region = _picture_ranges(task)
-    drawn = system.states[0] if task["draw"] is None else single(task["draw"], system.states)
+    drawn = first_state(system) if task["draw"] is None else single(task["draw"], system.states)
     options = task.options("bifurcation_picture", "completion")
     options["completion"] = dict(settings(task["complete"], "--complete", "q=max(0,p-g)"))
     chosen = StroboscopicMap(system, **task.options("StroboscopicMap"))
@@ -234,7 +234,7 @@ def waterfall(task: Task) -> None:
     system = task.system
     need_period(system, _FORCED)
     parameter, values = _parameter_range(task)
-    variables = names(task["variable"]) or system.states[0]
+    variables = names(task["variable"]) or first_state(system)
     options = task.options("waterfall", "variable")
     result = compute(system, parameter, values, variables, **options)
 

@@ -11,7 +11,7 @@ from nonsmooth.errors import OptionError, unknown_name
 if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
-__all__ = ["chosen", "pair", "single"]
+__all__ = ["chosen", "first_state", "pair", "single"]
 
 
 def chosen(
@@ -41,13 +41,21 @@ def single(text: str, known: Sequence[str], option: str = "--draw") -> str:
     return text
 
 
+def first_state(system: System) -> str:
+    """What to draw without a choice: the first state that does not drift away from the picture."""
+    return next(
+        (name for name in system.states if name not in system.drift_states), system.states[0]
+    )
+
+
 def pair(system: System, text: str | None, option: str = "--draw", *more: str) -> tuple[str, str]:
-    """Two variables; by default the first two states, or the only one in time."""
-    states = system.states
+    """Two variables; by default the first two states that do not drift, or the only one in time."""
+    stay = [name for name in system.states if name not in system.drift_states]
+    states = stay if len(stay) > 1 else system.states
     if text is None:
         return (states[0], states[1]) if len(states) > 1 else ("time", states[0])
     if len(names(text)) != 2:
         raise OptionError(f"{option}: {text!r} is not two variables, such as x,v")
-    known = [*states, *system.outputs, *more]
+    known = [*system.states, *system.outputs, *more]
     first, second = chosen(text, known, option, definitions=system.definitions)
     return first, second

@@ -251,6 +251,12 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
         return replace(seen, label=labels.UNSETTLED, reason=said, exponent=rate, error=error)
     test, contradiction = _agreeing_test(label, found.series(i), protocol, turns=turns)
     seen = replace(seen, exponent=rate, error=error, k=test.k)
+    if contradiction and rates == (-np.inf, -np.inf):
+        return seen.unsettled(
+            "every perturbation is lost within a window, so that the motion follows what drives"
+            f" it, but {contradiction}: it jumps with the phases of that as a strange nonchaotic"
+            " attractor does, which no longer evidence= tells apart"
+        )
     if contradiction:
         cure = _cure(curves, protocol)
         return seen.unsettled(f"{told} is {label}, but {contradiction}{cure}")
