@@ -262,5 +262,7 @@ def test_an_orbit_of_other_parameters_is_named():
     found = ns.find_orbit(cam, orbit)
     assert found.attrs["status"] == "inadmissible" and said in found.attrs["message"]
     with pytest.raises(OptionError, match=re.escape(said)):
-        ns.continue_orbit(cam, "w", (1.5, 9.0), initial=orbit)
+        ns.continue_orbit(cam, "w", (1.5, 9.0), initial=orbit, parameters={})
+    branch = ns.continue_orbit(cam, "w", (2.9, 3.1), initial=orbit)  # it has those of the orbit
+    assert branch.attrs["end_last"] == "bound"
     assert ns.find_orbit(cam, orbit, parameters={"w": 3.0}).attrs["status"] == "completed"
