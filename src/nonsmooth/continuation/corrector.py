@@ -125,8 +125,8 @@ class Corrector:
 
     def _is_rounding(self, at: Linearised, u: Array, p: float) -> bool:
         """Whether a residual is what rounding of its terms leaves."""
-        *large, last = np.maximum(self.equations.sizes, np.abs(np.append(u, p)))
-        terms = abs(at.J_u) @ np.array(large) + abs(at.J_p) * last
+        large = np.maximum(self.equations.sizes, np.abs(np.append(u, p)))
+        terms = abs(at.J_u) @ large[:-1] + abs(at.J_p) * large[-1]
         return bool(np.all(np.abs(at.r) <= _ROUNDINGS * _EPS * terms))
 
     def length(self, u: Array, p: float) -> float:
