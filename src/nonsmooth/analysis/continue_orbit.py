@@ -181,9 +181,10 @@ def continue_orbit(
         Where the branch ends: a cycle without events shrinks to a point. That is the rest whose
         perturbations neither grow nor decay, and stands as the last orbit.
     ``boundary_equilibrium``
-        Where the branch ends: a cycle with events shrinks to a point, where a rest of one of its
-        modes meets the surface at which that mode ends. It stands as the last orbit, with the
-        multipliers of the last cycle.
+        An equilibrium of a system whose forcing has no amplitude meets a surface: the branch goes
+        on with that of the mode beyond, or turns back there. Or the branch ends: a cycle with
+        events shrinks to a point, where a rest of one of its modes meets the surface at which that
+        mode ends. It stands as the last orbit, with the multipliers of the last cycle.
     ``pseudo_hopf``
         Where the branch ends: a cycle with events shrinks to a point together with its period, as
         under a relay, where the fields on both sides of a surface are opposite. It stands as the

@@ -18,7 +18,7 @@ from nonsmooth.periodic_orbits.onto import targets_of_cell
 from nonsmooth.periodic_orbits.wall_at_surface import through_wall
 from nonsmooth.periodic_orbits.word import Word, shortest_paths
 
-__all__ = ["beyond_border"]
+__all__ = ["beyond_border", "equilibrium_beyond"]
 
 _CONSTANT = 1e-9  # of the terms of a guard along the orbit: it does not change by more
 _PLACES = np.array([0.0, 0.5, 1.0])  # of a leg
@@ -53,6 +53,26 @@ def beyond_border(
             paths = list(word.paths)
             paths[before], paths[k] = entry, out
             found.append((Guess(Word(modes, tuple(paths)), turn), f"corner:{k}:{back.index(mode)}"))
+    return found
+
+
+def equilibrium_beyond(
+    equations: OrbitEquations, turn: Turn, g: int
+) -> list[tuple[Guess, str]]:  # fmt: skip
+    """A turn without events at rest on the surface of guard g: the rest of the mode beyond it.
+
+    Or that on the surface itself. It exists on the other side of the parameter, or on the same one:
+    the branch goes on or turns back. See section 5.1 of the book.
+    """
+    word, wiring = equations.word, equations.legs.tables.wiring
+    mode, found = word.modes[0], []
+    for lead in ("target", "onto"):
+        beyond = int(wiring.exits[lead][mode, g])
+        if beyond < 0 or beyond == mode:
+            continue
+        back = (wiring.exits["target"][beyond] == mode) | (wiring.exits["onto"][beyond] == mode)
+        new = Word((beyond,) * len(word), word.paths)
+        found += [(Guess(new, turn), f"border:0:{e}") for e in np.flatnonzero(back)]
     return found
 
 

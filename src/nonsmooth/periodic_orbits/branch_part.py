@@ -30,7 +30,8 @@ _OF_EQUATIONS = ("residual", "derivative", "test ", "matrix")  # reasons that te
 _KINDS = {
     "graze": "grazing", "short": "grazing", "rate": "grazing", "leg": "lost",
     "gain": "gained", "over": "gained", "slide": "sliding",
-    "enter": "sliding", "shrink": "hopf", "rest": "lost", "motion": "word_change",
+    "enter": "sliding", "shrink": "hopf", "rest": "lost", "border": "boundary_equilibrium",
+    "motion": "word_change",
 }  # fmt: skip
 OF_MULTIPLIERS = ("flip", "torus", "fold", "branch_point")
 _NEAR_ONE = 1e-3  # the same at a fold or a crossing, which some orbits have only to half the digits

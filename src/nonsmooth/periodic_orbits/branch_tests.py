@@ -29,7 +29,7 @@ from nonsmooth.periodic_orbits.guards_behind import EntryGuards, JumpedGuards, K
 from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet, multipliers_at_touch
-from nonsmooth.periodic_orbits.newton import solve_orbit
+from nonsmooth.periodic_orbits.newton import scale_of, solve_orbit
 from nonsmooth.periodic_orbits.onto import (
     chatters,
     crosses,
@@ -65,7 +65,7 @@ _EPS = float(np.finfo(float).eps)
 _ROUNDINGS = 500.0
 _OF_WORD = (
     "graze", "corner", "short", "leg", "rate", "gain", "over", "slide", "enter", "shrink",
-    "rest", "motion",
+    "rest", "border", "motion",
 )  # fmt: skip
 # part of the turn: a contact of this duration counts as a graze. It is as long as the root of the
 # distance from the graze, so this is 1e-10 away; shorter ones make Newton's matrix singular
@@ -78,10 +78,12 @@ _AT_CHANGE = 1e-9  # of a test: the word is about to change
 # a margin of rest counts by this: rebounds before rest are followed until flights are as low as
 # 1e-12 of the terms of their guard, of which rounding leaves 1e-4, so 1e-3 of it is about to change
 _OF_REST = 1e-6
-_OF_GUARDS = ("graze", "corner", "gain", "over")  # what is a guard, and not a rate or a duration
+_OF_GUARDS = ("graze", "corner", "gain", "over", "border")  # not rates nor durations
 _TOUCHES = 1e-6  # speed of an impact beside the rates of all states
 # of tests: what rounding makes of them over the distance of a multiplier from 1, and its most
 _ROUNDING, _MOST_ROUNDING = 1e-14, 1e-5
+_INSIDE = np.array([0.25, 0.6])  # of a turn, where an equilibrium has the same states
+_STILL = 1e-9  # of the size of a state, by which it does not move
 _NEARLY_ONE = 1e-4  # distance of a multiplier from 1 at which rounding begins to be seen
 _ZERO = 1e-10  # a test that is never more than that is zero by construction
 
@@ -315,6 +317,13 @@ class BranchTests:
         length = float(turn.instants[-1] - turn.instants[0])
         tests: dict[str, float] = {}
         sizes = _guard_sizes(equations, turn, found, self._largest_so_far(turn))
+        if self._is_equilibrium(turn):  # where guards have no lowest value
+            values, beside_size = found.others[0], sizes.value[0]
+            tests = {
+                f"border:0:{g}": float(values[g] / beside_size[g])
+                for g in np.flatnonzero(np.isfinite(values))
+            }
+            return self._with_margins(tests, sizes)
         for k, path in enumerate(word.paths):
             for g in np.flatnonzero(np.isfinite(beside.lowest[k])):
                 tests[f"graze:{k}:{g}"] = float(beside.lowest[k, g] / sizes.value[k, g])
@@ -353,6 +362,16 @@ class BranchTests:
         if equations.is_smooth_cycle:
             tests["shrink"] = equations.forwards(turn, found)
         return self._with_margins(tests, sizes)
+
+    def _is_equilibrium(self, turn: Turn) -> bool:
+        """Whether no state changes in a turn without events."""
+        if self.equations.word.n_events or self.equations.is_smooth_cycle:
+            return False
+        inside = turn.instants[0] + _INSIDE * float(np.ptp(turn.instants))
+        states = self.equations.states_along(turn, inside)
+        apart = np.where(self.equations.drifting, 0.0, np.abs(states - turn.states[0]))
+        scale = scale_of(self.equations, self.equations.pack(turn))[: turn.states.shape[1]]
+        return bool(np.all(apart.max(axis=0) <= _STILL * scale))
 
     def _with_margins(
         self, tests: dict[str, float], sizes: _GuardSizes

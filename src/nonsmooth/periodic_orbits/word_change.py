@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.tables import PATH_LENGTH, Wiring
-from nonsmooth.periodic_orbits.border_collision import beyond_border
+from nonsmooth.periodic_orbits.border_collision import beyond_border, equilibrium_beyond
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.excursions import is_graze, path_at_corner
 from nonsmooth.periodic_orbits.guess import Guess
@@ -172,6 +172,11 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
         return _with_event_first(equations, turn, k, int(numbers[1]))
     if kind == "graze":
         return _with_excursion(equations, turn, k, int(numbers[1]))
+    if kind == "border":
+        return [
+            Change("boundary_equilibrium", guess, grows)
+            for guess, grows in equilibrium_beyond(equations, turn, int(numbers[1]))
+        ]
     if kind == "slide":
         return _onto_surface(equations, turn, k)
     if kind == "enter":
