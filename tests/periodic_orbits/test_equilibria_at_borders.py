@@ -25,7 +25,7 @@ def test_a_switch_opens_at_a_fold_with_the_equilibrium_that_nothing_keeps():
     """x (1 - x)**2 = V**2: the rest at the stop ends where the unstable equilibrium comes to it."""
     switch = over_gap("V**2/(1 - x)**2", V=0.3)
     closed = ns.find_orbit(switch, {"x": STOP, "v": 0.0}, transient=0)
-    branch = ns.continue_orbit(switch, "V", (0.1, 0.6), initial=closed)
+    branch = ns.continue_orbit(switch, "V", (0.2, 0.4), initial=closed)
     assert {branch.attrs["end_first"], branch.attrs["end_last"]} == {"bound"}
     kinds = branch["special_kind"].values
     places = dict(zip(kinds.tolist(), branch["special_value"].values.tolist(), strict=True))

@@ -75,8 +75,8 @@ class Panels(NamedTuple):
 
     def _turning_near(self, places: Floats) -> Floats:
         """Values where the series turns, next to a place in each panel: a root of its slope."""
-        slopes = legendre.legder(self.coefficients, axis=1)
-        bends = legendre.legder(slopes, axis=1)
+        slopes = np.asarray(legendre.legder(self.coefficients, axis=1), float)
+        bends = np.asarray(legendre.legder(slopes, axis=1), float)
         low, high = np.maximum(places - _PART, -1.0), np.minimum(places + _PART, 1.0)
         for _ in range(_NEWTON):
             slope, bend = _values(slopes, places), _values(bends, places)
