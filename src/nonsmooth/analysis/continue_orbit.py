@@ -399,7 +399,7 @@ def both_ways(
                 for each in follow_orbits(options, legs, begin, report):
                     if isinstance(each, Followed):
                         found[way] = parts, each
-                    else:
+                    elif beginning.kind == "orbit" or not _is_turn_at_start(each):
                         parts.append(each)
             except KeyboardInterrupt:
                 interrupted = True
@@ -472,6 +472,14 @@ def _joined(
             messages.append(f"{'first' if name == 'end_first' else 'last'} end: {end.message}")
     said["message"] = "; ".join(messages)
     return parts, said
+
+
+def _is_turn_at_start(part: BranchPart) -> bool:
+    """Whether a fold is that of a branch which turns where it leaves another one.
+
+    Where both cross the equations are singular, and rounding decides on which side it is found.
+    """
+    return part.special == "fold" and 0.0 < part.arclength <= _BESIDE
 
 
 def _drop_folds_at_crossings(parts: list[BranchPart]) -> None:

@@ -88,10 +88,12 @@ class CurveSegment:
         return y[:-1] * scale[:-1], float(y[-1] * scale[-1])
 
     def locate(
-        self, value: Callable[[Node], float], *, zero_where_singular: bool = False
+        self, value: Callable[[Node], float], *, where_singular: str = ""
     ) -> tuple[float, Node] | None:
         """Fraction and point at which a value changes its sign; None if it is not found.
 
+        Where the equations are singular it is not found, unless the value is "zero" there, or the
+        "guess" is taken, where that makes the value small.
         `PastBound` goes through: the curve leaves the bounds in between.
         """
         ends = {0.0: value(self.first), 1.0: value(self.last)}
@@ -104,9 +106,14 @@ class CurveSegment:
             return 1.0, self.last
         nodes: dict[float, Node] = {0.0: self.first, 1.0: self.last}
 
-        def is_small(told: float) -> bool:
-            """At a zero that is singular for another reason the guess is the best that is known."""
-            return abs(told) <= _SMALL * max(abs(low), abs(high))
+        def uncorrected(x: float, refusal: Refused) -> float:
+            nodes[x] = self.uncorrected(x)
+            if where_singular == "zero" and _believed(refusal, x, ends):
+                return 0.0
+            told = value(nodes[x]) if where_singular == "guess" else math.inf
+            if not abs(told) <= _SMALL * max(abs(low), abs(high)):
+                raise refusal
+            return told
 
         def at(x: float) -> float:
             if x not in ends:
@@ -114,13 +121,7 @@ class CurveSegment:
                     nodes[x] = self.trial(x)
                     ends[x] = value(nodes[x])
                 except (SingularMatrix, NotConverged) as refusal:
-                    nodes[x] = self.uncorrected(x)
-                    if zero_where_singular and _believed(refusal, x, ends):
-                        ends[x] = 0.0
-                    elif zero_where_singular or not is_small(told := value(nodes[x])):
-                        raise
-                    else:
-                        ends[x] = told
+                    ends[x] = uncorrected(x, refusal)
                 if not math.isfinite(ends[x]):
                     raise Refused("a test has no value between two points")
             return ends[x]
@@ -221,7 +222,7 @@ class Observer:
         def value(node: Node) -> float:
             return node.determinant.sign * math.exp(min(700.0, node.determinant.log - size))
 
-        found = segment.locate(value, zero_where_singular=True)
+        found = segment.locate(value, where_singular="zero")
         if found is None or abs(value(found[1])) > _VANISHES:
             raise Jump("the branch found has the other orientation")
         yield Mark(found[0], self._refined(segment, *found), "branch_point")
@@ -281,7 +282,7 @@ class Observer:
         before, after = self.tested(segment.first), self.tested(segment.last)
         for name in after:
             if name in before and not before[name] * after[name] > 0.0:  # else nothing to locate
-                found = segment.locate(self._named(name))
+                found = segment.locate(self._named(name), where_singular="guess")
                 if found:
                     yield Mark(*found, name)
 
