@@ -224,6 +224,7 @@ def test_the_border_of_two_rotations_is_a_rotation():
     assert np.abs(gap).max() < 1e-11 * largest  # an error of 1e-13 of DOP853 grows by that
 
 
+@pytest.mark.slow
 def test_a_picture_has_one_branch_where_the_vertical_turns():
     """In q - s nothing depends on s: one motion, which s takes along for more than a turn."""
     tilted = ns.System(

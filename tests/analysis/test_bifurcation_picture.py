@@ -84,6 +84,7 @@ def test_all_orbits_are_one_branch_through_both_folds(picture) -> None:
     assert np.array_equal(branch["stable"].values[clear], outside[clear])
 
 
+@pytest.mark.slow
 def test_branches_beyond_flips_have_all_their_points() -> None:
     """Of x -> -r x + x**3 the orbit of two points is x**2 = r - 1, from the flip at r = 1 on.
 
@@ -111,6 +112,7 @@ def test_branches_beyond_flips_have_all_their_points() -> None:
     assert x[:, 0] ** 2 == pytest.approx(two["r"].values - 1.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_branches_beyond_a_broken_symmetry_are_followed() -> None:
     """Of x -> r x - x**3 points at +-sqrt(r - 1) leave 0 at r = 1; no start finds them."""
     kick = ns.Exit("cos(2*pi*t)", to="late", reset={"x": "r*x - x**3"}, name="kick")

@@ -93,6 +93,7 @@ def test_units_of_the_states_do_not_matter():
     assert float(branch["special_value"][0]) == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_unstable_cycle_of_a_drill_ends_where_its_steady_turn_loses_stability():
     system = drill()
     least = 0.08302497949024326  # speed of the bit on that cycle, by shooting with DOP853

@@ -32,6 +32,7 @@ def test_the_same_diagram():
         np.testing.assert_array_equal(found["x"][k], wanted["x"][0])
 
 
+@pytest.mark.slow
 def test_requirements_hold_for_what_is_tied():
     with pytest.raises(ns.ModelError, match="negative preload"):
         tied().with_parameters(delta=-0.1)

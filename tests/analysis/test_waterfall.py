@@ -53,6 +53,7 @@ def test_ellipse_over_a_stiffness():
         assert found.sel(harmonic=[1.0, -1.0])[k].values == pytest.approx(wanted, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_one_sided_is_the_spectrum_of_the_run():
     system = ns.models.rotor()
     found = ns.waterfall(

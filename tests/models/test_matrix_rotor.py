@@ -56,6 +56,7 @@ def beam(elements=3):
     return mass[np.ix_(free, free)], stiffness[np.ix_(free, free)]
 
 
+@pytest.mark.slow
 def test_two_degrees_of_freedom_are_the_chapters_rotor():
     one = ns.simulate(jeffcott().system(**RING), {"q0": -0.9}, periods=10)
     two = ns.simulate(rotor(), periods=10)

@@ -39,6 +39,7 @@ def test_without_friction_it_is_the_rotor():
     assert np.abs(one["x"].values - two["x"].values).max() < 1e-11
 
 
+@pytest.mark.slow
 def test_without_friction_its_ring_rides_as_that_of_the_rotor():
     words = {"delta_x": 0.1, "delta_y": 0.0}
     one, two = (

@@ -38,6 +38,7 @@ def test_a_persistent_border_is_passed_with_both_multipliers():
     assert branch["multipliers"].values[beside, 0].real == pytest.approx(slope[beside], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_two_orbits_meet_at_a_border_and_the_branch_turns_back():
     """L L R and L R R of x -> a x + 1 (L, below zero) and b x + 1 (R): 1 + a (b + 1) = 0 there."""
     a = 0.3

@@ -163,6 +163,7 @@ def test_labels_of_columns():
         assert stretches(labelled) == [(CHAOTIC, 2.5, 2.5), (2, 3.0, 3.0)]
 
 
+@pytest.mark.slow
 def test_heavy_ring_becomes_the_massless_one():
     """A ring a hundred times lighter changes the orbit less, and period and contacts not at all."""
     heavy, light = (heavy_ring_orbit(13.1, mass, 50.0, transient=200) for mass in (0.06, 0.006))
