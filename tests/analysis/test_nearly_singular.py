@@ -64,3 +64,13 @@ def test_resonance_without_damping_is_an_amplitude_without_bound(oscillator):
     branch = ns.continue_orbit(oscillator, "omega", (0.9, 1.5), initial=start, direction="up")
     assert branch.attrs["end_last"] == "unbounded"
     assert float(branch["omega"].values.max()) == pytest.approx(1.0, abs=1e-5)
+
+
+def test_an_orbit_that_settles_slowly_is_found_behind_a_longer_transient(oscillator):
+    """At omega = 0.481 the largest multiplier is 0.998, so 200 periods leave two thirds."""
+    orbit = ns.find_orbit(oscillator, parameters={"omega": 0.481})
+    assert orbit.attrs["status"] == "completed" and orbit.attrs["transient"] == 2000
+    again = ns.find_orbit(oscillator, parameters={"omega": 0.481}, transient=2000)
+    assert float(orbit["x"]) == float(again["x"])
+    asked = ns.find_orbit(oscillator, parameters={"omega": 0.481}, transient=200)
+    assert asked.attrs["status"] != "completed"

@@ -689,3 +689,22 @@ def test_what_settles_slowly_is_not_said_to_grow():
     found = ns.regime(ns.System(states=["x"], equations=flow, period="1"), longest=4000)
     assert found["regime"].item() == "unsettled"
     assert "grows from window" not in found.attrs["message"]
+
+
+def test_a_motion_that_follows_two_frequencies_with_jumps_is_not_sent_for_more_evidence():
+    """A ball that rests now and then on a table with two frequencies: every rest forgets."""
+    bouncing = System(
+        states=["z", "u"], initial={"z": 0.03},
+        parameters={"g": 9.81, "r": 0.72, "A": 0.004, "B": 0.002, "w": 52.0, "v": 90.0666},
+        definitions={"s": "A*sin(w*t) + B*sin(v*t)"},
+        modes={
+            "fly": Mode({"z": "u", "u": "-g"}, exits=[Exit(
+                "z - s", name="hit", sticks="carried",
+                reset={"u": "-r*u + (1+r)*(A*w*cos(w*t) + B*v*cos(v*t))"},
+            )])
+        },
+    )  # fmt: skip
+    found = ns.regime(bouncing, period="2*pi/w", evidence=500)
+    assert found["regime"].item() == "unsettled"
+    assert "every perturbation is lost" in found.attrs["message"]
+    assert "evidence= tells more" not in found.attrs["message"]

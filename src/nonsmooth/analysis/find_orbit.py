@@ -153,6 +153,8 @@ def find_orbit(
     found = search_orbit(wanted, legs)
     attrs = {"status": found.status, "message": found.message, "period": wanted.period}
     attrs |= said_of_options(wanted, shared, names)
+    if found.transient is not None:
+        attrs["transient"] = found.transient
     if found.orbit is None:
         return failed_dataset(wanted.system, attrs)
     return orbit_dataset(wanted.system, found.orbit, attrs)

@@ -96,6 +96,7 @@ class OrbitResult:
     equations: OrbitEquations | None
     status: str
     message: str
+    transient: int | None = None  # behind which it was found, where that is not the one asked for
 
 
 def make_orbit(

@@ -72,7 +72,9 @@ def search_orbit(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
     if found.status == "completed" or wanted.longest <= wanted.transient:
         return found
     settled = _search_motion(replace(wanted, transient=wanted.longest), legs)
-    return settled if settled.status == "completed" else found
+    if settled.status != "completed":
+        return found
+    return replace(settled, transient=wanted.longest)
 
 
 def _search_motion(wanted: OrbitRequest, legs: Legs) -> OrbitResult:
