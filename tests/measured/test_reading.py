@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -79,6 +81,29 @@ def test_other_forms(read):
         1, sensitivity=7.87, offset=-9.6, units="mm")}, time=0, mark=2))  # fmt: skip
     check(read(text_of(rows=ROWS[:, 1:], header="CH1,tacho"), sample_rate=RATE))
     check(read(text_of(), mark=None, marks=MARKS))
+
+
+def with_text(before="", behind="", names=("", "")):
+    """The record with a column of text before or behind its own ones."""
+    header, *lines = text_of(sign=";", decimal=",").splitlines()
+    return "\n".join(
+        [names[0] + header.replace(",", ";") + names[1], *(before + line + behind for line in lines), ""]
+    )
+
+
+def test_columns_of_text_are_left_alone(read):
+    stamp = "2026-11-28T10:00:00.5;"
+    check(read("run 7;bench 2\n" + with_text(behind=";ok. then", names=("", ";note"))))
+    check(read(with_text(before=stamp, behind=";ok", names=("stamp;", ";note"))))
+    headless = with_text(before=stamp).split("\n", 1)[1]
+    check(read(headless, {"x": replace(PROBE, column=2)}, time=1, mark=3))
+
+
+@pytest.mark.parametrize("wanted", [{"time": "note"}, {"mark": "note"}])
+def test_a_column_of_text_is_told(read, wanted):
+    text = with_text(behind=";ok", names=("", ";note"))
+    with pytest.raises(OptionError, match="line 2, column 3.*'ok' is no number; the column holds"):
+        read(text, **wanted)
 
 
 def test_units_of_headers(read):

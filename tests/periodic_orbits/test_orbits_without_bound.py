@@ -102,3 +102,39 @@ def test_a_period_without_bound_where_steps_become_short():
     assert branch["g"].values[-1] == pytest.approx(2.0 / 0.7, abs=1e-7)
     assert branch.sizes["special"] == 0  # no change of the word by rounding
     assert np.all(np.diff(branch["length"].values) > 0.0)
+
+
+def test_steps_grow_with_the_period():
+    """A heater whose power just reaches the upper limit: k (U - upper) is what is left of it."""
+    on = ns.Mode({"T": "-k*(T - Ta) + k*U"}, exits=[ns.Exit("s + h - T", to="off", name="hot")])
+    off = ns.Mode({"T": "-k*(T - Ta)"}, exits=[ns.Exit("T - s + h", to="on", name="cold")])
+    heater = ns.System(
+        states=["T"],
+        parameters={"h": 0.5, "U": 30.0, "k": 0.1, "Ta": 10.0, "s": 20.0},
+        initial={"T": 15.0},
+        modes={"on": on, "off": off},
+    )
+    branch = ns.continue_orbit(heater, "U", (5.0, 60.0), transient=5)
+    assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("unbounded", "bound")
+    power = branch["U"].values
+    assert power[0] == pytest.approx(10.5, abs=1e-10)  # in 20 percent of the steps that are allowed
+    cycles = 10.0 * np.log((power - 9.5) / (power - 10.5) * 10.5 / 9.5)
+    clear = power > 10.5 + 1e-6
+    assert branch["length"].values[clear] == pytest.approx(cycles[clear], rel=1e-8)
+
+
+def test_a_word_that_rounding_changes_where_the_period_has_no_bound():
+    """McKean's neuron: its rest reaches a knee at I = 3/8 and 7/8, where w = 2 v."""
+    neuron = ns.System(
+        states=["v", "w"],
+        parameters={"I": 0.5, "eps": 0.05, "c": 0.5, "a": 0.25},
+        initial={"v": 0.3},
+        equations={
+            "v": "where(v < a/2, -v, where(v < (1 + a)/2, v - a, 1 - v)) - w + I",
+            "w": "eps*(v - c*w)",
+        },
+    )
+    branch = ns.continue_orbit(neuron, "I", (0.0, 1.5), transient=10)
+    assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("unbounded", "unbounded")
+    assert branch["I"].values[[0, -1]] == pytest.approx([0.375, 0.875], abs=1e-7)
+    assert branch.sizes["special"] == 0

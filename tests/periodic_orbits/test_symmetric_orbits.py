@@ -10,6 +10,7 @@ from scipy.optimize import brentq, fsolve
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, OptionError, System
+from nonsmooth.periodic_orbits.symmetric import _carried
 
 ODD = {"x": "-x", "v": "-v"}
 R, GAP = 0.8, 0.2
@@ -373,3 +374,12 @@ def test_what_has_no_image_is_refused():
     branch = ns.continue_orbit(duffing(1.0), "gamma", (0.9, 1.1), steps=3)
     with pytest.raises(OptionError, match="take one"):
         ns.mirrored_orbit(branch)
+
+
+def test_an_event_without_a_rate_is_told_in_silence():
+    """At a graze the derivative of an event is infinite; a product with it would warn."""
+    flows = np.eye(2)[None].repeat(2, axis=0)
+    events = np.array([[[np.inf, 0.0], [0.0, 1.0]], np.eye(2)])
+    with np.errstate(all="raise"):
+        assert np.all(np.isnan(_carried(flows, events)))
+        np.testing.assert_array_equal(_carried(flows, events[[1, 1]]), np.eye(2))

@@ -20,9 +20,15 @@ __all__ = ["Table", "cells_of", "numbers_of", "read_table"]
 
 _MOST_BEFORE = 200  # lines of a header
 _LOOKED_AT = 20  # lines of numbers by which delimiter and decimal sign are told
+_ALIKE = 5  # lines that follow a first one of numbers and text, and have numbers in its places
 _DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab", " ": "spaces", "|": "bar"}
 _NUMBER = re.compile(r"[+-]?((\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?|nan|inf(inity)?)", re.I)
 _LINE_END = re.compile(r"\r\n|\r|\n")
+_CURE_OF_CELL = "delete what follows the record, and write nan where a sample is missing"
+_CURE_OF_TEXT = (
+    "the column holds text: name another one; where it holds dates, write times in s, or give"
+    " sample_rate= and no time="
+)
 _SIGNATURES = {
     b"PK\x03\x04": "an Excel workbook or another archive",
     b"\xd0\xcf\x11\xe0": "an old Excel workbook",
@@ -122,7 +128,7 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
     if lines[first].strip(" ").endswith(found) and max(map(len, [above, *sample])) == width + 1:
         width += 1  # the last cell of the first row is empty
     if decimal is None:
-        text = "".join(cell for cells in sample for cell in cells)
+        text = "".join(cell for cells in sample for cell in cells if _is_number(cell))
         decimal = "," if "," in text and "." not in text else "."
     headers = []
     for line in reversed(lines[:first]):
@@ -169,11 +175,16 @@ def _decoded(file: Path) -> str:
 def _first_numbers(
     lines: list[str], delimiter: str | None, decimal: str | None, name: str
 ) -> tuple[int, str]:
-    """Line of the first numbers and the delimiter between them."""
-    for k, line in enumerate(lines[:_MOST_BEFORE]):
-        for candidate in [delimiter] if delimiter else _candidates(line, decimal):
-            if _is_numbers(cells_of(line, candidate)):
-                return k, candidate
+    """Line of the first numbers and the delimiter between them.
+
+    Where no line is one of numbers alone, some columns hold text, such as stamps or comments.
+    """
+    for begins in (_is_numbers, _has_numbers):
+        for k, line in enumerate(lines[:_MOST_BEFORE]):
+            for candidate in [delimiter] if delimiter else _candidates(line, decimal):
+                rows = [cells_of(each, candidate) for each in lines[k : k + 1 + _ALIKE]]
+                if begins(rows):
+                    return k, candidate
     if not any(line.strip() for line in lines):
         raise OptionError(f"{name} is empty")
     expected = f"separated by {delimiter!r}" if delimiter else (
@@ -192,11 +203,21 @@ def _candidates(line: str, decimal: str | None) -> list[str]:
     return found or [";" if decimal == "," else ","]
 
 
-def _is_numbers(cells: list[str]) -> bool:
-    """Whether a line is one of numbers; some cells may be empty, not the first one."""
+def _is_numbers(rows: list[list[str]]) -> bool:
+    """Whether the first row is one of numbers; some cells may be empty, not the first one."""
+    cells = rows[0]
     if not cells or not _is_number(cells[0]):
         return False
     return all(_is_number(cell) or not cell for cell in cells)
+
+
+def _has_numbers(rows: list[list[str]]) -> bool:
+    """Whether rows have numbers in the same columns, and text in others."""
+    columns = [k for k, cell in enumerate(rows[0]) if _is_number(cell)]
+    rows = [row for row in rows if row]  # the last line of a file may be blank
+    if not columns or len(rows) == 1 or len({len(row) for row in rows}) > 1:
+        return False
+    return all(_is_number(row[k]) for row in rows for k in columns)
 
 
 def _is_number(cell: str) -> bool:
@@ -279,8 +300,8 @@ def _cell_by_cell(table: Table, rows: list[str], columns: Sequence[int]) -> npt.
                 numbers[i, k] = float(_pointed(cell, table.decimal)) if cell else np.nan
             except ValueError:
                 raise OptionError(
-                    f"{where}, column {column} (from 0): {cell!r:.40} is no number; delete what"
-                    " follows the record, and write nan where a sample is missing"
+                    f"{where}, column {column} (from 0): {cell!r:.40} is no number;"
+                    f" {_CURE_OF_TEXT if k == 0 else _CURE_OF_CELL}"
                 ) from None
     return numbers
 

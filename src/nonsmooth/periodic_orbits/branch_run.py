@@ -48,6 +48,24 @@ def follow_orbits(
 
     ``report`` is told how many steps are done; it may raise to stop.
     """
+    waits: BranchPart | None = None
+    for each in _with_ends(options, legs, start, report):
+        # orbits that grow without bound are long, so rounding changes their words at last
+        by_rounding = isinstance(each, Followed) and each.ended == "unbounded"
+        if waits is not None and not by_rounding:
+            yield waits
+        waits = each if isinstance(each, BranchPart) and each.special == "word_change" else None
+        if waits is None:
+            yield each
+
+
+def _with_ends(
+    options: BranchOptions,
+    legs: Legs,
+    start: BranchStart,
+    report: Callable[[int], None],
+) -> Iterator[BranchPart | Followed]:
+    """The same; a word that changes by rounding is a point of its own."""
     way, stands = 0.0, None
     held: list[BranchPart] = []  # where an event passes the section, and what else is there
     last = LastOrbits(options)

@@ -125,11 +125,12 @@ class BranchStretch:
         self.trail.add(self.equations.word, point, self.scale, high - low)
 
     def outgrown(self, point: Point) -> bool:
-        """Whether an orbit has another size than that by which steps are measured."""
+        """Whether an orbit has another size, or length, than that by which steps are measured."""
         n_states = len(self.equations.word) * self.legs.n
         scale = self._scale_of(point.u, point.p, (point.tangent_u, point.tangent_p))
-        share = scale[:n_states] / self.scale[:n_states]
-        return bool(share.max() > _OUTGROWN or share.max() < 1.0 / _OUTGROWN)
+        share = scale / self.scale
+        sizes, lengths = share[:n_states].max(), share[n_states:].max(initial=1.0)
+        return any(not 1.0 / _OUTGROWN <= largest <= _OUTGROWN for largest in (sizes, lengths))
 
     def changes_too_much(self, first: Point, last: Point) -> bool:
         """Whether a step changes a cycle more than both of its measures allow.

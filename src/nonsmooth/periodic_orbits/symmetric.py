@@ -245,13 +245,11 @@ def _half_tangent(equations: OrbitEquations, turn: Turn) -> Floats:
     nearest = int(np.argmin(np.abs(turn.instants - half)))
     ends_at_event = abs(turn.instants[nearest] - half) <= _AT_EVENT * length
     whole = nearest if ends_at_event else int(np.searchsorted(turn.instants, half)) - 1
-    product = np.eye(factors.flow.shape[1])
-    events = list(factors.events[:whole])
+    events = factors.events[:whole].copy()
     at_section = turn.durations[0] <= _AT_EVENT * length and not equations.word.closes_at_event
     if ends_at_event and at_section:  # that event is in the first half, its image in the second one
-        events[-1] = np.eye(len(product))
-    for flow, event in zip(factors.flow[:whole], events, strict=True):
-        product = event @ flow @ product
+        events[-1] = np.eye(events.shape[1])
+    product = _carried(factors.flow[:whole], events)
     if not ends_at_event:
         stays, n = ~equations.drifting, equations.legs.n
         part = equations.legs.follow_each(
@@ -262,15 +260,26 @@ def _half_tangent(equations: OrbitEquations, turn: Turn) -> Floats:
     return product
 
 
+def _carried(flows: Floats, events: Floats) -> Floats:
+    """What legs with the events at their ends do to perturbations; nan where an event has no rate.
+
+    shapes: flows and events (K, n, n); returns (n, n)
+    """
+    product = np.eye(flows.shape[1])
+    if not np.all(np.isfinite(events)):
+        return np.full_like(product, np.nan)
+    for flow, event in zip(flows, events, strict=True):
+        product = event @ flow @ product
+    return product
+
+
 def _is_odd(equations: OrbitEquations, turn: Turn) -> bool:
     """Whether the symmetry reverses the critical direction of an orbit that lies in its mirror."""
     mirror = _mirror_at(equations.legs)
     assert mirror is not None  # or the orbit would have no mirror to lie in
     factors = leg_factors(equations, _follow(equations, turn))
     stays = ~equations.drifting
-    product = np.eye(factors.flow.shape[1])
-    for flow, event in zip(factors.flow, factors.events, strict=True):
-        product = event @ flow @ product
+    product = _carried(factors.flow, factors.events)
     if not np.all(np.isfinite(product)):
         return True
     values, vectors = np.linalg.eig(product)

@@ -20,11 +20,13 @@ from nonsmooth.periodic_orbits.stretch import BranchOptions
 
 __all__ = ["LastOrbits"]
 
-_WINDOW = 20  # half of the points that are looked at
+_WINDOW = 20  # half of the points that are looked at, at most
 _KEPT = 80  # orbits as a whole, for the end to which they shrink
 _STILL = 1e-3  # of the range, by which the parameter moves at most over them
 _NEARER = 0.9  # of its way in the first half of the growth is that in the second one, at most
-_LONGER, _LARGER = 1.01, 2.0  # factors by which period and amplitude grow, at least
+_LONGER, _LARGER = 1.01, 1.5  # factors by which period and amplitude grow, at least
+_WITHIN = 2.0  # growth that is looked at, at most: with long steps fewer points are recent
+_FEWEST = 6  # points that tell it, of a growth that is large
 _FAR = 1e6  # times the amplitude of the first orbit
 _ROUNDINGS = 1e3 * float(np.finfo(float).eps)  # of the parameter, as much as orbits leave of it
 _CLEAR = 1e3  # times that has it moved over all of them
@@ -59,7 +61,7 @@ class LastOrbits:
         """
         if self._last[-1][2] > _FAR * self._first and self._grows_for_ever(2, _LARGER):
             return True
-        if len(self._last) <= 2 * _WINDOW or not self._grows_for_ever(1, _LONGER):
+        if not self._grows_for_ever(1, _LONGER):
             return False
         first, before, last = self._last[0], self._last[-2], self._last[-1]
         rounding = _ROUNDINGS * max(map(abs, self.options.bounds))
@@ -119,11 +121,14 @@ class LastOrbits:
         By the ways of the parameter over both halves of the growth, whatever the steps were: where
         the limit of the parameter is one of a finite column they are alike.
         """
-        if len(self._last) <= 2 * _WINDOW:
-            return False
         values = np.array(self._last)
+        values = values[values[-1, column] <= _WITHIN * values[:, column]]
         p, growing = values[:, 0], np.log(values[:, column])
-        if np.any(np.diff(growing) <= 0.0) or growing[-1] - growing[0] < np.log(factor):
+        if len(p) < _FEWEST or np.any(np.diff(growing) <= 0.0):
+            return False
+        if len(p) <= 2 * _WINDOW:  # a branch that turns back goes so for a few short steps
+            factor = max(factor, _LARGER)
+        if growing[-1] - growing[0] < np.log(factor):
             return False
         middle = np.interp(0.5 * (growing[0] + growing[-1]), growing, p)
         before, after = abs(middle - p[0]), abs(p[-1] - middle)

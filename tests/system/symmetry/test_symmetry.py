@@ -315,3 +315,27 @@ def test_smoothed_systems_keep_it(kind):
     given = forced("F*cos(w*t) - x - 0.2*sign(v) - max(x, 1) - min(x, -1)")
     made = ns.smoothed(given, 0.01, kind=kind)
     assert made.mirror.half_period
+
+
+@pytest.mark.parametrize("gap", [0.2, 0.7, 1.0, 1.2, 1.9])
+def test_guards_that_a_contact_keeps_at_zero_or_at_the_width_of_a_gap(gap):
+    """A ball in a box: held at one end, its distance from both is the same but for rounding."""
+    hit = {"v": "v + (1 + r)/11*(w - v)", "w": "w - (1 + r)*10/11*(w - v)"}
+    box = System(
+        states=["x", "v", "z", "w"],
+        parameters={"d": gap, "r": 0.7},
+        period="2*pi",
+        symmetry={name: f"-{name}" for name in "xvzw"},
+        modes={
+            "free": Mode(
+                {"x": "v", "v": "cos(t) - x", "z": "w", "w": "0"},
+                exits=[
+                    Exit("d/2 - (z - x)", reset=hit, sticks="right", name="r"),
+                    Exit("d/2 + (z - x)", reset=hit, sticks="left", name="l"),
+                ],
+            )
+        },
+    )
+    names = box.mode_names
+    images = dict(zip(names, (names[k] for k in box.mirror.modes), strict=True))
+    assert images == {"free": "free", "right": "left", "left": "right"}

@@ -69,19 +69,22 @@ def _related(count: int, values: ValuesAt, sizes: ValuesAt) -> list[tuple[int, i
     """Guards i that are ``factor`` times guard j plus ``offset``, an offset beyond rounding."""
     able = values.finite
     guards, terms = values.guards[:count, able], sizes.guards[:count, able]
+    rounding = _ROUNDING * terms
     found = []
     for i in range(count):
-        if np.all(guards[i] == guards[i, 0]):
-            found.append((i, i, 0.0, float(guards[i, 0])))
+        # the states of a cell on a relation fulfil it to rounding, and so do guards that follow
+        if np.all(np.abs(guards[i] - guards[i, 0]) <= rounding[i]):
+            if np.abs(guards[i, 0]) > rounding[i].max():
+                found.append((i, i, 0.0, float(guards[i, 0])))
             continue
         for j in range(count):
             a, b = int(np.argmax(guards[j])), int(np.argmin(guards[j]))
             run = guards[j, a] - guards[j, b]
-            if i == j or run == 0.0:
+            if i == j or run <= rounding[j].max():
                 continue
             factor = (guards[i, a] - guards[i, b]) / run
             offset = guards[i, a] - factor * guards[j, a]
-            size = _ROUNDING * (terms[i] + np.abs(factor) * terms[j])
+            size = rounding[i] + np.abs(factor) * rounding[j]
             gap = np.abs(guards[i] - factor * guards[j] - offset)
             if np.all(gap <= size) and np.abs(offset) > size.max():
                 found.append((i, j, float(factor), float(offset)))
