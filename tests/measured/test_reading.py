@@ -87,7 +87,11 @@ def with_text(before="", behind="", names=("", "")):
     """The record with a column of text before or behind its own ones."""
     header, *lines = text_of(sign=";", decimal=",").splitlines()
     return "\n".join(
-        [names[0] + header.replace(",", ";") + names[1], *(before + line + behind for line in lines), ""]
+        [
+            names[0] + header.replace(",", ";") + names[1],
+            *(before + line + behind for line in lines),
+            "",
+        ]
     )
 
 
@@ -102,7 +106,7 @@ def test_columns_of_text_are_left_alone(read):
 @pytest.mark.parametrize("wanted", [{"time": "note"}, {"mark": "note"}])
 def test_a_column_of_text_is_told(read, wanted):
     text = with_text(behind=";ok", names=("", ";note"))
-    with pytest.raises(OptionError, match="line 2, column 3.*'ok' is no number; the column holds"):
+    with pytest.raises(OptionError, match=r"line 2, column 3.*'ok' is no number; the column holds"):
         read(text, **wanted)
 
 
