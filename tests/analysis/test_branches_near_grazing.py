@@ -250,3 +250,23 @@ def test_every_point_of_a_branch_is_a_motion(seed):
         clear = np.all(np.isfinite(pair)) and np.all(np.abs(pair - 1.0) > 1e-6)
         if clear and not special & {k, k + 1}:
             assert np.ptp(np.count_nonzero(pair > 1.0, axis=1)) == 0
+
+
+def test_a_contact_where_positions_are_zero():
+    """A cable begins to slacken at P* = m g/k |k - m w**2 + i w c|, found from the slack side.
+
+    In the slack mode nothing holds the mass, so rounding is that of lengths of metres: the instants
+    of short contacts are known to that over a small speed.
+    """
+    k, m, c, g, w = 1e6, 250.0, 200.0, 9.81, 40.0
+    cable = ns.System(
+        states=["x", "v"],
+        parameters={"P": 1480.0},
+        period=f"2*pi/{w}",
+        equations={"x": "v", "v": f"{g} + P/{m}*cos({w}*t) - {c / m}*v - {k / m}*max(x, 0)"},
+    )
+    slack = ns.find_orbit(cable, {"x": 0.005}, word="flow[+] flow[-] flow[+]", transient=0)
+    branch = ns.continue_orbit(cable, "P", (0.0, 6000.0), initial=slack, direction="down")
+    assert branch["special_kind"].values.tolist() == ["bound", "grazing"]
+    expected = m * g / k * abs(k - m * w**2 + 1j * w * c)
+    assert branch["special_value"].values[1] == pytest.approx(expected, rel=1e-11)

@@ -142,3 +142,17 @@ def test_multipliers_do_not_depend_on_units(units):
     other = ns.find_orbit(harvester(*units), start, transient=300)
     assert np.abs(plain["multipliers"].values).min() > 0.1
     np.testing.assert_allclose(other["multipliers"].values, plain["multipliers"].values, rtol=1e-12)
+
+
+def test_of_a_system_at_rest_on_a_surface():
+    """A ship with quadratic damping p*abs(p), unforced: exp(-d T/2) at an angle of w T."""
+    ship = ns.System(
+        states=["q", "p"],
+        parameters={"d": 0.05, "e": 0.2, "F": 0.02, "om": 0.85},
+        period="2*pi/om",
+        equations={"q": "p", "p": "-q + q**3 - d*p - e*p*abs(p) + F*cos(om*t)"},
+    )
+    branch = ns.continue_orbit(ship, "F", (0.0, 0.02), direction="down")
+    assert branch["F"][0] == 0.0
+    expected = np.exp((-0.025 + 1j * np.sqrt(1.0 - 0.025**2)) * 2.0 * np.pi / 0.85)
+    assert branch["multipliers"].values[0] == pytest.approx([expected, expected.conj()], abs=1e-12)

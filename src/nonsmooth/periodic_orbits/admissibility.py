@@ -98,12 +98,12 @@ def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) ->
         return Admissibility(False, f"leg {k + 1} ({_name(equations, k)}) lasts no time", k)
     if word.n_events == 0:
         return _check_without_events(equations, turn, tolerance)
-    allowed = _allowed(equations, turn)
     instants = turn.instants[:-1] + 0.5 * turn.durations
     try:
         middles = _middles(equations, turn, instants)
     except LegError as fault:
         return Admissibility(False, str(fault))
+    allowed = _allowed(equations, turn, middles)
     count = word.n_events
     if not word.closes_at_event and turn.durations[-1] > turn.durations[0]:
         # the stay before the first event began in the turn before
@@ -141,12 +141,17 @@ def _check_without_events(equations: OrbitEquations, turn: Turn, tolerance: floa
     return _instead(equations, lanes, 0, 0, row)
 
 
-def _allowed(equations: OrbitEquations, turn: Turn) -> Floats:
-    """How far the engine may be from the instant of each event: rounding over the guard's rate."""
+def _allowed(equations: OrbitEquations, turn: Turn, middles: Floats) -> Floats:
+    """How far the engine may be from the instant of each event: rounding over the guard's rate.
+
+    Rounding is that of states as large as they are along the orbit: where a position is a guard, it
+    is zero itself at the event.
+    """
     found = equations.legs.follow(equations.word, turn.states, turn.instants)
     length = float(turn.instants[-1] - turn.instants[0])
     n = equations.legs.n
-    terms = (np.abs(found.guard_row[:, :n]) * np.abs(found.ends)).sum(axis=1)
+    largest = np.abs(np.concatenate([turn.states, middles, found.ends])).max(axis=0)
+    terms = np.abs(found.guard_row[:, :n]) @ largest
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = _ROUNDING * (terms + np.abs(found.guard)) / np.abs(found.guard_rate)
     return _LATE * length + np.nan_to_num(slow, nan=0.0, posinf=1e-3 * length)

@@ -29,7 +29,7 @@ from nonsmooth.periodic_orbits.guards_behind import EntryGuards, JumpedGuards, K
 from nonsmooth.periodic_orbits.in_words import in_words
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet, multipliers_at_touch
-from nonsmooth.periodic_orbits.newton import scale_of, solve_orbit
+from nonsmooth.periodic_orbits.newton import AT_ZERO, scale_of, solve_orbit
 from nonsmooth.periodic_orbits.onto import (
     chatters,
     crosses,
@@ -246,7 +246,7 @@ class BranchTests:
         residual = equations.gap(turn, found)
         turn = Turn(found.starts.copy(), turn.instants)
         multipliers = floquet(equations, found)
-        if self._touches(found):
+        if self._is_slow_at_events(turn, found):
             multipliers = multipliers_at_touch(equations, turn)
             found = legs.follow(equations.word, turn.states, turn.instants)
         tests = tests_of_multipliers(multipliers)
@@ -285,10 +285,14 @@ class BranchTests:
         self._seen[key] = looked
         return looked
 
-    def _touches(self, found: LegResults) -> bool:
-        """Whether a cycle meets a wall so slowly that few digits of the speed are known."""
+    def _is_slow_at_events(self, turn: Turn, found: LegResults) -> bool:
+        """Whether few digits are known of the speed with which an orbit comes to its events.
+
+        As of a cycle that hardly touches a wall, and of an orbit at rest on a surface.
+        """
         if not self.equations.autonomous:
-            return False
+            states = np.abs(turn.states[:, ~self.equations.drifting])
+            return not states.max(initial=0.0) > AT_ZERO
         n = self.equations.legs.n
         rows = np.linalg.norm(found.guard_row[:, :n], axis=1)
         fast = np.linalg.norm(found.end_rates, axis=1) * rows
