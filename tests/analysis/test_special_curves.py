@@ -379,3 +379,34 @@ def test_a_turning_point_is_no_point_of_another_curve():
     assert curve["special_detail"].values[turns] == "the second parameter turns back"
     with pytest.raises(ns.OptionError, match="is a turning_point point"):
         ns.continue_special(curve, turns, "q", (-1.0, 0.1))
+
+
+@pytest.mark.slow
+def test_a_touch_is_followed_where_a_start_from_rest_becomes_lower():
+    """Grazing-sliding of an oscillator with friction: in slip x'' + x = cos(w t) + mu.
+
+    Each slip begins at rest, where its velocity rises from zero with the square of time only: near
+    there rounding makes a lower minimum than that of the touch.
+    """
+    friction = ns.System(
+        states=["x", "v"],
+        parameters={"w": 0.21, "mu": 0.3},
+        period="2*pi/w",
+        equations={"x": "v", "v": "cos(w*t) - x - mu*sign(v)"},
+        initial={"x": 0.5, "v": 0.1},
+    )
+    branch = ns.continue_orbit(friction, "w", (0.15, 0.21), direction="down", transient=100)
+    touch = branch["special_kind"].values.tolist().index("grazing_sliding")
+    curve = ns.continue_special(branch, touch, "mu", (0.2, 0.4))
+    assert (curve.attrs["end_first"], curve.attrs["end_last"]) == ("bound", "bound")
+    for point in range(0, curve.sizes["point"], 4):
+        one = curve.isel(point=point)
+        w, mu = float(one["w"]), float(one["mu"])
+        leg = one["word"].item().split().index("flow[-]")
+        begin = float(one["leg_time"][leg])
+        x = float(one["leg_states"][leg, 0])
+        force = 1.0 / (1.0 - w**2)
+        along, across = x - mu - force * np.cos(w * begin), w * force * np.sin(w * begin)
+        t = begin + np.linspace(1.0, float(one["durations"][leg]) - 1.0, 200_001)
+        v = across * np.cos(t - begin) - along * np.sin(t - begin) - w * force * np.sin(w * t)
+        assert v.max() == pytest.approx(0.0, abs=1e-9)

@@ -27,7 +27,7 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.excursions import is_graze, path_at_corner
 from nonsmooth.periodic_orbits.guards_behind import EntryGuards, JumpedGuards, KeptGuards
 from nonsmooth.periodic_orbits.in_words import in_words
-from nonsmooth.periodic_orbits.legs import LegError
+from nonsmooth.periodic_orbits.legs import LegError, Minima
 from nonsmooth.periodic_orbits.multipliers import Floquet, floquet, multipliers_at_touch
 from nonsmooth.periodic_orbits.newton import AT_ZERO, scale_of, solve_orbit
 from nonsmooth.periodic_orbits.onto import (
@@ -228,6 +228,8 @@ class BranchTests:
         self._seen: dict[bytes, Looked] = {}
         # legs in which the engine has found an event that the search for minima has missed
         self.closely: set[int] = set()
+        # leg and guard of a graze that is followed, and the part of the leg at which it was last
+        self.followed: tuple[int, int, float] | None = None
         # those of rebounds before rest, whose number changes although nothing happens
         self._rebounds = {k for each in chatters(word.modes, word.paths, wiring) for k in each}
 
@@ -309,7 +311,29 @@ class BranchTests:
         for k in self.closely:
             begin, end = turn.instants[k : k + 2]
             lowest[k] = legs.closer_minima(word.modes[k], turn.states[k], begin, end).values
+        if self.followed is not None:
+            k, g, part = self.followed
+            lowest[k, g] = self._followed_minima(turn, k, part).values[g]
         return lowest
+
+    def _followed_minima(self, turn: Turn, k: int, part: float) -> Minima:
+        begin, end = turn.instants[k : k + 2]
+        mode, place = self.equations.word.modes[k], part * (end - begin)
+        return self.equations.legs.minima_near(mode, turn.states[k], begin, end, place)
+
+    def follow_graze(self, unknowns: Floats, k: int, g: int) -> None:
+        """Look at guard g in leg k near where it is lowest now, or was when it was followed before.
+
+        Elsewhere in the leg it may become lower.
+        """
+        turn, legs = self.equations.unpack(unknowns), self.equations.legs
+        if self.followed is None:
+            places = legs.minima(self.equations.word, turn.states, turn.instants).places[k]
+        else:
+            places = self._followed_minima(turn, k, self.followed[2]).places
+        duration = float(turn.durations[k])
+        if np.isfinite(places[g]) and duration > 0.0:
+            self.followed = (k, g, float(places[g]) / duration)
 
     def _of_word(
         self, turn: Turn, found: LegResults, beside: _Beside

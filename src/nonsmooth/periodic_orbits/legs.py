@@ -29,6 +29,7 @@ Floats = npt.NDArray[np.float64]
 
 _MOST_UNIT = 2.0**60  # of a state; farther apart are states that a motion hardly couples
 _PARTS = (0.139, 0.382, 0.618)  # of a leg, few whole or half turns of which are such too
+_NEAR = 0.25  # of the way to an end of a leg, within which a minimum is near to where it was
 _CLOSER = 14  # halvings of a leg towards its ends, where minima are looked for closely
 
 
@@ -167,6 +168,20 @@ class Legs:
         first = np.argmin(np.where(np.isnan(lowest), np.inf, lowest), axis=0)
         columns = np.arange(lowest.shape[1])
         return Minima(lowest[first, columns], places[first, columns])
+
+    def minima_near(
+        self, mode: int, state: Floats, begin: float, end: float, place: float
+    ) -> Minima:
+        """The same of one leg, near a time since it began.
+
+        A guard may have a lower value elsewhere, as just behind the start, where it is zero itself.
+        """
+        width = _NEAR * min(place, end - begin - place)
+        cuts = begin + place + np.array([-width, width])
+        word = Word((mode,), ((),))
+        there = self.follow_each(word, state[None], np.array([begin]), cuts[:1]).ends.copy()
+        found = self.minima(word, there, cuts)
+        return Minima(found.values[0], found.places[0] + place - width)
 
     def _pass(self, legs: WordLegs, count: int, results: LegResults) -> None:
         passed = pass_legs(

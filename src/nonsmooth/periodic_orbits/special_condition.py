@@ -24,6 +24,7 @@ from nonsmooth.periodic_orbits.branch_tests import (
     Looked,
     is_of_word,
     tests_of_multipliers,
+    what_of,
 )
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import Legs
@@ -109,6 +110,9 @@ class SpecialCondition:
 
         They are central differences, with steps that are small beside the shortest leg.
         """
+        if what_of(self.test) == "graze":
+            self.set_parameters(p, q)
+            self._of_word.follow_graze(u, *map(int, self.test.split(":")[1:]))
         value = self._number(u, p, q)
         z = np.concatenate([u, [p, q]])
         gradient = np.zeros(z.size)
