@@ -120,3 +120,17 @@ def test_the_rest_of_a_curve_closes_where_that_began():
     assert half.ended == "closed"
     assert points[-1].u[0] == pytest.approx(1.0, abs=1e-9)
     assert points[-1].arclength == pytest.approx(np.pi, rel=1e-4)
+
+
+def test_a_loop_that_leads_once_around_an_angle():
+    """A rotation number of zero: sin(2 pi th) = 2 pi Om/K, with folds at Om = K/(2 pi)."""
+    reset = {"c": "0", "th": "th + Om - K/(2*pi)*sin(2*pi*th)"}
+    circle = ns.System(
+        states=["th", "c"], parameters={"Om": 0.1, "K": 0.9}, period=1, drift={"th": "1"},
+        modes={"hold": ns.Mode({"th": "0", "c": "1"}, exits=[ns.Exit("1 - c", reset=reset)])},
+    )  # fmt: skip
+    branch = ns.continue_orbit(circle, "Om", (-0.5, 0.5), initial={"th": 0.1})
+    assert branch.attrs["end_first"] == "start" and branch.attrs["end_last"] == "closed"
+    edge = 0.9 / (2.0 * np.pi)
+    assert sorted(folds(branch)) == pytest.approx([-edge, edge], abs=1e-12)
+    assert float(np.ptp(branch["th"].values)) == pytest.approx(1.0, abs=1e-9)

@@ -45,3 +45,43 @@ def test_a_mass_is_pressed_against_its_stop_by_more_than_the_spring_takes():
     at = branch["special_kind"].values == "boundary_equilibrium"
     assert branch["special_value"].values[at] == pytest.approx([STOP], abs=1e-12)
     assert branch["x"].values == pytest.approx(np.minimum(branch["F"].values, STOP), abs=1e-12)
+
+
+def bell(**options: object) -> ns.System:
+    """A clapper that hangs at rest in a bell which swings; both walls reach it at B = 0.4."""
+    hit = {"w": "speed - 0.5*(w - speed)"}
+    sticks = options.pop("sticks", {"right": None, "left": None})
+    return ns.System(
+        states=["c", "w"], parameters={"B": 0.1}, period="2*pi/1.3",
+        definitions={"wall": "B*cos(1.3*t)", "speed": "-1.3*B*sin(1.3*t)"},
+        modes={
+            "swing": ns.Mode(
+                {"c": "w", "w": "-c - 0.04*w"},
+                exits=[
+                    ns.Exit("0.4 - (c - wall)", reset=hit, name="right", sticks=sticks["right"]),
+                    ns.Exit("0.4 + (c - wall)", reset=hit, name="left", sticks=sticks["left"]),
+                ],
+            )
+        },
+        **options,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("sticks", [None, {"right": "at_right", "left": "at_left"}])
+def test_walls_that_move_are_touched_by_what_is_at_rest(sticks):
+    """What does not move lies on no wall that does: it grazes it."""
+    hung = bell() if sticks is None else bell(sticks=sticks)
+    branch = ns.continue_orbit(hung, "B", (0.0, 1.2), direction="up")
+    assert branch["special_kind"].values[0] == "grazing"
+    assert branch["special_value"].values[0] == pytest.approx(0.4, abs=1e-12)
+
+
+def test_impacts_without_speed_at_the_strobe_are_left_out():
+    """Both impacts lose their speed where the walls turn, one of them at the strobe."""
+    hung = bell(symmetry={"c": "-c", "w": "-w"})
+    clangs = ns.find_orbit(hung, {"c": 0.5}, parameters={"B": 0.5}, transient=300)
+    branch = ns.continue_orbit(hung, "B", (0.0, 0.5), initial=clangs, direction="down")
+    assert branch["special_kind"].values.tolist() == ["bound", "grazing", "fold"]
+    assert branch["special_value"].values[1] == pytest.approx(0.4, abs=1e-12)
+    rest = branch["B"].values < 0.4
+    assert np.count_nonzero(rest & (np.abs(branch["c"].values) < 1e-12)) > 3

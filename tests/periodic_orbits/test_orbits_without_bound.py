@@ -138,3 +138,31 @@ def test_a_word_that_rounding_changes_where_the_period_has_no_bound():
     assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("unbounded", "unbounded")
     assert branch["I"].values[[0, -1]] == pytest.approx([0.375, 0.875], abs=1e-7)
     assert branch.sizes["special"] == 0
+
+
+def harvest(lo: float) -> ns.System:
+    """A stock that is fished from 0.6 down to lo."""
+    return ns.System(
+        states=["x"],
+        parameters={"lo": lo},
+        initial={"x": 0.5995},
+        modes={
+            "rest": ns.Mode({"x": "x*(1 - x)"}, exits=[ns.Exit("0.6 - x", to="fish")]),
+            "fish": ns.Mode({"x": "x*(1 - x) - 0.8*x"}, exits=[ns.Exit("x - lo", to="rest")]),
+        },
+    )
+
+
+def test_thresholds_that_meet_end_a_branch_soon():
+    """Beyond, the motion would switch without end, and a log of it would fill the memory."""
+    branch = ns.continue_orbit(
+        harvest(0.599), "lo", (0.5, 0.6), direction="up", transient=1, largest_step=0.1
+    )
+    assert branch.attrs["end_last"] == "pseudo_hopf"
+    assert branch["special_value"].values[-1] == pytest.approx(0.6, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_a_motion_that_passes_events_without_end_is_no_guess():
+    with pytest.raises(ns.RunError, match=r"has passed 1,000,000 events at t = .*thresholds"):
+        ns.find_orbit(harvest(0.6 - 1e-7))

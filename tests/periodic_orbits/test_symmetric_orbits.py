@@ -10,7 +10,10 @@ from scipy.optimize import brentq, fsolve
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, OptionError, System
-from nonsmooth.periodic_orbits.symmetric import _carried
+from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.symmetric import _carried, half_turn_later
+from nonsmooth.periodic_orbits.word import Word
 
 ODD = {"x": "-x", "v": "-v"}
 R, GAP = 0.8, 0.2
@@ -383,3 +386,14 @@ def test_an_event_without_a_rate_is_told_in_silence():
     with np.errstate(all="raise"):
         assert np.all(np.isnan(_carried(flows, events)))
         np.testing.assert_array_equal(_carried(flows, events[[1, 1]]), np.eye(2))
+
+
+def test_a_test_of_an_orbit_without_events_has_no_image():
+    """Two cells alike at rest: nothing is half a turn later."""
+    forced = System(
+        states=["x", "v"], parameters={"F": 0.1}, period="2*pi", symmetry={"x": "-x", "v": "-v"},
+        equations={"x": "v", "v": "F*cos(t) - 2*x - 0.1*v - x + clip(x, -1, 1)"},
+    )  # fmt: skip
+    equations = OrbitEquations(Legs(forced), Word((1,), ((),)), period=1)
+    assert half_turn_later(equations, "graze:0:0") == ""
+    assert half_turn_later(equations, "border:0:0") == ""

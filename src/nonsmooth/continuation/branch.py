@@ -65,12 +65,29 @@ class _Attempt:
         return any(mark.node is self.node for mark in self.marks)
 
 
+@dataclass(frozen=True)
+class _Origin:
+    """The start of a branch, and vectors (K, n) by which its solutions repeat."""
+
+    node: Node
+    repeats: Array | None = None
+
+    def near(self, node: Node) -> Node:
+        """The start, or that of its copies which is nearest to a point."""
+        if self.repeats is None:
+            return self.node
+        u = self.node.u.copy()
+        for by in self.repeats:
+            u += round(float((node.u - u) @ by) / float(by @ by)) * by
+        return replace(self.node, u=u)
+
+
 def _attempt(
     corrector: Corrector,
     options: Options,
     observer: Observer,
     node: Node,
-    origin: Node,
+    origin: _Origin,
     step: float,
 ) -> _Attempt:
     """A step of this length; `Refused` where there is none."""
@@ -131,7 +148,7 @@ def _on_bound(corrector: Corrector, node: Node, step: float) -> Node:
 
 
 def _judged(
-    corrector: Corrector, options: Options, observer: Observer, node: Node, origin: Node,
+    corrector: Corrector, options: Options, observer: Observer, node: Node, origin: _Origin,
     step: float, end: Node,
 ) -> _Attempt:  # fmt: skip
     """The step with its special points, if it can be believed."""
@@ -145,7 +162,7 @@ def _judged(
     marks = observer.marks(segment)
     if _leaves(end, options.bounds):
         marks.append(Mark(1.0, end, "bound", last=True))
-    home = None if node is origin else _home(segment, origin)
+    home = None if node is origin.node else _home(segment, origin.near(end))
     if home:
         marks = [mark for mark in marks if mark.x < home.x] + [home]
     if options.accept is not None and not options.accept(_points_of(observer, node, marks, end)):
@@ -225,7 +242,7 @@ class Branch(Iterator[Point]):
         self._corrector, self._options = corrector, options
         self._observer = Observer(corrector, options)
         self._last_arclength = 0.0
-        self._origin = first
+        self._origin = _Origin(first)
         self._points = self._run(first)
 
     @property
@@ -266,7 +283,18 @@ class Branch(Iterator[Point]):
             origin = self._corrector.across(u, p, ahead / math.sqrt(float(ahead @ ahead)))
         except Refused:  # it cannot be told from there, so the branch closes at its own start
             return
-        self._origin = origin.turned(ahead)
+        self._origin = replace(self._origin, node=origin.turned(ahead))
+
+    def repeats(self, by: Array) -> None:
+        """Let the branch be closed, too, where it comes to its start but for whole multiples.
+
+        Parameters
+        ----------
+        by : array
+            Vectors of the unknowns, (K, n), that lead from each solution to another one which
+            counts as the same, as a whole turn of an angle.
+        """
+        self._origin = replace(self._origin, repeats=by)
 
     def _run(self, first: Node) -> Iterator[Point]:
         options, node, step = self._options, first, self._options.step
@@ -289,7 +317,7 @@ class Branch(Iterator[Point]):
                 yield self._point(node, "")
         return self._end("steps", node)
 
-    def _advance(self, node: Node, origin: Node, step: float) -> _Attempt:
+    def _advance(self, node: Node, origin: _Origin, step: float) -> _Attempt:
         """A step of this length or, where it is refused, of half of it, and so on."""
         options, tried = self._options, step
         while True:

@@ -66,13 +66,16 @@ def equilibrium_beyond(
     """
     word, wiring = equations.word, equations.legs.tables.wiring
     mode, found = word.modes[0], []
-    for lead in ("target", "onto"):
-        beyond = int(wiring.exits[lead][mode, g])
+    targets, onto = wiring.exits["target"], wiring.exits["onto"]
+    for lead in dict.fromkeys((g, int(onto[mode, g]))):
+        beyond = int(targets[mode, lead]) if lead >= 0 else -1
         if beyond < 0 or beyond == mode:
             continue
-        back = (wiring.exits["target"][beyond] == mode) | (wiring.exits["onto"][beyond] == mode)
         new = Word((beyond,) * len(word), word.paths)
-        found += [(Guess(new, turn), f"border:0:{e}") for e in np.flatnonzero(back)]
+        for e in range(int(wiring.modes["n_exits"][beyond])):
+            ways = [e] if onto[beyond, e] < 0 else [e, int(onto[beyond, e])]
+            if mode in targets[beyond, ways]:
+                found.append((Guess(new, turn), f"border:0:{e}"))
     return found
 
 

@@ -271,14 +271,14 @@ def _what_happens(looked: Looked, point: Point) -> str:
     """What a point is special by: a slow impact where the engine only finds another motion.
 
     The engine takes an impact for a graze that reaches behind its guard by rounding only, the
-    square of its speed. Where a leg vanishes onto a surface on which motion slides, it is also at
+    square of its speed. It may pass the section there. Where a leg vanishes onto a surface on which motion slides, it is also at
     the border of what slides there, and has no speed.
     """
     if what_of(point.special) == "enter":
         k = point.special.split(":")[1]
         lasts, rate = (abs(looked.tests.get(f"{kind}:{k}", 1.0)) for kind in ("leg", "rate"))
         return f"leg:{k}" if rate <= lasts <= _NEARLY_GONE else point.special
-    if point.special != "motion":
+    if point.special not in ("motion", *_AT_SECTION):
         return point.special
     rates = {name: value for name, value in looked.tests.items() if what_of(name) == "rate"}
     least = min(rates, key=lambda name: rates[name], default="")

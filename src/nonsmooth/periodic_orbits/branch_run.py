@@ -241,7 +241,7 @@ def _same_start(one: BranchStart, other: BranchStart) -> bool:
     if one.equations.word != other.equations.word:
         return False
     scale = scale_of(one.equations, one.unknowns)
-    apart = np.abs((one.unknowns - other.unknowns) / scale).max()
+    apart = np.abs(one.equations.without_turns(one.unknowns - other.unknowns) / scale).max()
     same_way = float((one.direction[0] / scale) @ (other.direction[0] / scale)) > 0.0
     near = abs(one.value - other.value) <= _CLOSED * (1.0 + abs(one.value))
     return bool(apart <= _CLOSED and near and same_way)

@@ -346,13 +346,11 @@ class BranchTests:
         length = float(turn.instants[-1] - turn.instants[0])
         tests: dict[str, float] = {}
         sizes = _guard_sizes(equations, turn, found, self._largest_so_far(turn))
-        if self._is_equilibrium(turn):  # where guards have no lowest value
-            values, beside_size = found.others[0], sizes.value[0]
-            tests = {
-                f"border:0:{g}": float(values[g] / beside_size[g])
-                for g in np.flatnonzero(np.isfinite(values))
-            }
-            return self._with_margins(tests, sizes)
+        if self._is_equilibrium(turn):
+            values, size = found.others[0], sizes.value[0]
+            for g in self._still_guards(turn, size):  # they have no lowest value
+                tests[f"border:0:{g}"] = float(values[g] / size[g])
+                beside.lowest[0, g] = np.nan
         for k, path in enumerate(word.paths):
             for g in np.flatnonzero(np.isfinite(beside.lowest[k])):
                 tests[f"graze:{k}:{g}"] = float(beside.lowest[k, g] / sizes.value[k, g])
@@ -401,6 +399,16 @@ class BranchTests:
         apart = np.where(self.equations.drifting, 0.0, np.abs(states - turn.states[0]))
         scale = scale_of(self.equations, self.equations.pack(turn))[: turn.states.shape[1]]
         return bool(np.all(apart.max(axis=0) <= _STILL * scale))
+
+    def _still_guards(self, turn: Turn, sizes: Floats) -> list[int]:
+        """Guards that do not change along an equilibrium, as those of walls that move do."""
+        first, length = float(turn.instants[0]), float(np.ptp(turn.instants))
+        ends = first + np.append(_INSIDE, 1.0) * length
+        word = Word(self.equations.word.modes[:1] * ends.size, ((),) * ends.size)
+        states, begins = np.tile(turn.states[0], (ends.size, 1)), np.full(ends.size, first)
+        guards = self.equations.legs.follow_each(word, states, begins, ends).others
+        still = np.ptp(guards, axis=0) <= _STILL * sizes
+        return np.flatnonzero(still & np.all(np.isfinite(guards), axis=0)).tolist()
 
     def _with_margins(
         self, tests: dict[str, float], sizes: _GuardSizes

@@ -205,6 +205,19 @@ class OrbitEquations:
         speed = float(self._across @ self.passing(turn, found.start_rates[0]))
         return speed / self._speed if self._speed > 0.0 else 1.0
 
+    @property
+    def whole_turns(self) -> Floats:
+        """What a turn of each angle adds to the unknowns, (angles, size)."""
+        rows = np.diag(self.angle_periods)[self.angle_periods > 0.0]
+        instants = np.zeros((len(rows), self.n_instants))
+        return np.hstack([np.tile(rows, self._count), instants])
+
+    def without_turns(self, change: Floats) -> Floats:
+        """A change of the unknowns but for the whole turns of angles at the first leg."""
+        n = self.legs.n
+        turned = np.tile(whole_turns(change[:n], self.angle_periods), self._count)
+        return change - np.append(turned, np.zeros(self.n_instants))
+
     def carried(self, change: Floats) -> Floats:
         """What a change over a turn leaves open: all of a drift, whole turns of an angle, (n,)."""
         return np.where(self.drifting, change, whole_turns(change, self.angle_periods))

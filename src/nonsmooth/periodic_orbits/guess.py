@@ -19,7 +19,7 @@ from nonsmooth.periodic_orbits.strobes import strobes_of
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
 from nonsmooth.runs.clock import Instant, Plan, since_strobe
 from nonsmooth.runs.first_mode import in_first_mode
-from nonsmooth.runs.runner import NoMode, Outcome, build_tables, run_plan
+from nonsmooth.runs.runner import NoMode, Outcome, WorkLimits, build_tables, run_plan
 from nonsmooth.runs.start import Start, resolve_start, start_at_end
 from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
@@ -47,6 +47,7 @@ _RESOLVED = 0.3  # of the spread of the states: the median way between samples o
 _NEAR = (1e-3, 1e-2, 5e-2)  # of the spread of the states: the first return as near is taken
 _AS_NEAR = 1e-6  # of the spread: returns that are no nearer than that to each other are the same
 _MOST_EVENTS = 256
+_MOST_PASSED = 1_000_000  # by a motion from which an orbit is guessed: 100 MB
 _STILL = 1e-9  # of the size of a state: what it must change by to move
 _SWEEPS = 3  # of the states, for fixed instants
 _NEARER = 1.0 - 1e-6  # of the distance of the strobe that is told: others are as near by rounding
@@ -145,11 +146,23 @@ def _stretch(
 
 
 def _run_for_guess(
-    system: System, tables: Tables, start: Start, plan: Plan, tolerance: float
-) -> Outcome:
+    system: System, tables: Tables, start: Start, plan: Plan, tolerance: float,
+    most_events: int = _MOST_PASSED,
+) -> Outcome:  # fmt: skip
     """The motion from a start, in the first mode that admits it; `RunError` where it ends early."""
-    run = partial(run_plan, tables, plan, tolerance, state=start.state, begin=start.instant)
+    run = partial(
+        run_plan, tables, plan, tolerance, state=start.state, begin=start.instant,
+        limits=WorkLimits(most_events=most_events),
+    )  # fmt: skip
     outcome = in_first_mode(system, tables, start, run)
+    if outcome.status == Status.WORK_LIMIT:
+        raise RunError(
+            f"{system.name}: the motion from which the orbit is guessed has passed"
+            f" {most_events:,} events at t = {outcome.end_time:.6g}, as between thresholds that"
+            " meet; check them, or begin near the orbit with a smaller transient=",
+            status=outcome.status.word,
+            time=outcome.end_time,
+        )
     if outcome.status != Status.COMPLETED:
         raise RunError(
             f"{system.name}: the motion from which the orbit is guessed ended at"
@@ -206,8 +219,9 @@ def _legs_of_outcome(system: System, outcome: Outcome, begin: Instant, end: Inst
 
 
 def cycle_guesses(
-    system: System, initial: Any, *, period: int, transient: int, mode: str | None, tolerance: float
-) -> Iterator[Guess]:
+    system: System, initial: Any, *, period: int, transient: int, mode: str | None,
+    tolerance: float, most_events: int = _MOST_PASSED,
+) -> Iterator[Guess]:  # fmt: skip
     """Legs of a motion from an event to its nearest return, or around a smooth cycle.
 
     ``transient`` counts windows. Guesses of short cycles come first; none where the motion does not
@@ -223,7 +237,7 @@ def cycle_guesses(
     for stretch in _STRETCHES:
         samples, final = _SAMPLES / stretch, stretch >= 1.0
         plan, step = _plan(tables.window, samples, period, begin, start, transient)
-        outcome = _run_for_guess(system, tables, start, plan, tolerance)
+        outcome = _run_for_guess(system, tables, start, plan, tolerance, most_events)
         found = _between_events(system, outcome, begin, open_states, period, final)
         found = found or _around(outcome, open_states, period, step, final)
         returns = returns or bool(found)

@@ -37,6 +37,7 @@ Floats = npt.NDArray[np.float64]
 _TURNS = 100  # in which driven motions settle
 _PLACES = 200  # along each leg of a cycle, at which it is compared
 _CLOSER = 0.01  # part of the way to a change, over which an orbit that joins it comes closer
+_MOST_PASSED = 10_000  # events of a motion that begins on a cycle: beyond, thresholds may meet
 _NEARBY = 1e-4  # of the size of an orbit: one of another word farther away is no continuation
 # of the size of an orbit, driven or a cycle: one farther away is another one, and as close as it
 # can come to the orbit of the change
@@ -116,6 +117,7 @@ def _cycles_nearby(
             transient=0,
             mode=options.system.structure.running[equations.word.modes[leg]].name,
             tolerance=options.tolerance,
+            most_events=_MOST_PASSED,
         )
     except (RunError, ValueError):  # it ends on the way, or is refused there
         return

@@ -180,6 +180,8 @@ class BranchStretch:
             largest_step=self.options.largest_step, bounds=self.options.bounds, steps=steps,
             tests=self.asked, scale=self.scale, parameter_scale=high - low, accept=accept,
         )  # fmt: skip
+        if self.equations.angle_periods.any():
+            branch.repeats(self.equations.whole_turns)
         # of cycles without events it is told on the plane of this stretch
         if home is not start and home.equations.word == self.equations.word:
             branch.begun_at(home.unknowns, home.value, home.direction)

@@ -140,7 +140,7 @@ def half_turn_later(equations: OrbitEquations, name: str) -> str:
     word, mirror = equations.word, _mirror_at(equations.legs)
     kind, *numbers = name.split(":")
     events = len(word) - (not word.closes_at_event)
-    if mirror is None or events % 2 or not (numbers and numbers[0].isdigit()):
+    if mirror is None or not events or events % 2 or not (numbers and numbers[0].isdigit()):
         return ""
     k = int(numbers[0])
     later = (k + events // 2) % events

@@ -122,6 +122,8 @@ class LastOrbits:
         the limit of the parameter is one of a finite column they are alike.
         """
         values = np.array(self._last)
+        if not values[-1, column] > 0.0:  # orbits at rest at zero
+            return False
         values = values[values[-1, column] <= _WITHIN * values[:, column]]
         p, growing = values[:, 0], np.log(values[:, column])
         if len(p) < _FEWEST or np.any(np.diff(growing) <= 0.0):
