@@ -397,3 +397,52 @@ def test_a_test_of_an_orbit_without_events_has_no_image():
     equations = OrbitEquations(Legs(forced), Word((1,), ((),)), period=1)
     assert half_turn_later(equations, "graze:0:0") == ""
     assert half_turn_later(equations, "border:0:0") == ""
+
+
+def stiff_stops() -> System:
+    """A mass of 2 kg between two stops, contacts with which last a hundredth of a turn."""
+    force = "-1e5*x - 30*v - 1e8*(x - clip(x, -1e-3, 1e-3)) + 150*cos(2*pi*f*t)"
+    return System(
+        states=["x", "v"], parameters={"f": 20.5}, period="1/f",
+        symmetry={"x": "-x", "v": "-v"}, equations={"x": "v", "v": f"({force})/2"},
+    )  # fmt: skip
+
+
+def test_a_symmetry_breaks_among_short_contacts():
+    """Half a turn followed by x -> -x has a multiplier of -1 there."""
+    stops = stiff_stops()
+    branch = ns.continue_orbit(stops, "f", (17.5, 20.5), transient=300, direction="down")
+    kinds = branch["special_kind"].values
+    assert kinds.tolist() == ["bound", "symmetry_breaking", "symmetry_breaking"]
+    at = branch.isel(point=branch["special_point"].values[1:])
+
+    def half_turn(state, f):
+        def field(t, y):
+            beyond = y[0] - np.clip(y[0], -1e-3, 1e-3)
+            force = 150.0 * np.cos(2.0 * np.pi * f * t)
+            return [y[1], (-1e5 * y[0] - 30.0 * y[1] - 1e8 * beyond + force) / 2.0]
+
+        found = solve_ivp(
+            field, (0.0, 0.5 / f), state, method="DOP853", rtol=1e-11, atol=1e-14, max_step=2e-5
+        )
+        return -found.y[:, -1]
+
+    for k in range(2):
+        f, state = float(at["f"][k]), np.array([float(at["x"][k]), float(at["v"][k])])
+        assert half_turn(state, f) == pytest.approx(state, abs=1e-8)
+        steps = np.diag([1e-8, 1e-5])
+        columns = [
+            (half_turn(state + step, f) - half_turn(state - step, f)) / (2.0 * step.sum())
+            for step in steps
+        ]
+        assert np.abs(np.linalg.eigvals(np.array(columns).T) + 1.0).min() < 1e-4
+
+
+@pytest.mark.slow
+def test_a_long_step_does_not_lead_back_along_a_branch():
+    """Beyond the fold at f = 6.3788 the branch passes near where it has been."""
+    begin = ns.find_orbit(stiff_stops(), parameters={"f": 25.0})
+    branch = ns.continue_orbit(stiff_stops(), "f", (5.0, 60.0), initial=begin, direction="down")
+    folds = branch["special_value"].values[branch["special_kind"].values == "fold"]
+    assert np.sort(np.abs(folds - 7.268261))[0] < 1e-6  # found with steps of a twentieth too
+    assert np.sort(np.abs(folds - 7.246596))[0] < 1e-6

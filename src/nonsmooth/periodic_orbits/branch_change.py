@@ -271,8 +271,8 @@ def _what_happens(looked: Looked, point: Point) -> str:
     """What a point is special by: a slow impact where the engine only finds another motion.
 
     The engine takes an impact for a graze that reaches behind its guard by rounding only, the
-    square of its speed. It may pass the section there. Where a leg vanishes onto a surface on which motion slides, it is also at
-    the border of what slides there, and has no speed.
+    square of its speed. It may pass the section there. Where a leg vanishes onto a surface on which
+    motion slides, it is also at the border of what slides there, and has no speed.
     """
     if what_of(point.special) == "enter":
         k = point.special.split(":")[1]

@@ -50,8 +50,10 @@ def follow_orbits(
     """
     waits: BranchPart | None = None
     for each in _with_ends(options, legs, start, report):
-        # orbits that grow without bound are long, so rounding changes their words at last
-        by_rounding = isinstance(each, Followed) and each.ended == "unbounded"
+        # rounding changes the words of orbits at last that become long or shrink to a point
+        by_rounding = (
+            each.ended == "unbounded" if isinstance(each, Followed) else each.test == "shrink"
+        )
         if waits is not None and not by_rounding:
             yield waits
         waits = each if isinstance(each, BranchPart) and each.special == "word_change" else None

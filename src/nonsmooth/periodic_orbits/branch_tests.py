@@ -253,13 +253,15 @@ class BranchTests:
             found = legs.follow(equations.word, turn.states, turn.instants)
         tests = tests_of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
-        kept, faded = self._of_word(turn, found, beside)
+        at_rest = bool(equations.word.n_events) and self._is_at_zero(turn, found)
+        # guards that vanish all along tell of rounding
+        kept, faded = ({}, set()) if at_rest else self._of_word(turn, found, beside)
         image = reflection(equations, turn)
         if image is not None and image.later == 0.5 and _from_one(multipliers) < _NEARLY_ONE:
             kept = self._alike(kept)
         tests |= kept
         other = None
-        if self.whole:
+        if self.whole and not at_rest:
             told = self._told_of(kept)
             least = min(kept, key=lambda name: kept[name], default="")
             if any(kept[name] < 0.0 for name in kept.keys() - told):
@@ -293,12 +295,27 @@ class BranchTests:
         As of a cycle that hardly touches a wall, and of an orbit at rest on a surface.
         """
         if not self.equations.autonomous:
-            states = np.abs(turn.states[:, ~self.equations.drifting])
-            return not states.max(initial=0.0) > AT_ZERO
+            return self._is_at_zero(turn, found)
         n = self.equations.legs.n
         rows = np.linalg.norm(found.guard_row[:, :n], axis=1)
         fast = np.linalg.norm(found.end_rates, axis=1) * rows
         return bool(np.any(self._resets & (np.abs(found.guard_rate) <= _TOUCHES * fast)))
+
+    def _is_at_zero(self, turn: Turn, found: LegResults) -> bool:
+        """Whether an orbit without a size, as nothing drives it, lies on the surfaces of its events.
+
+        Their guards have no part that the states do not make, as those of walls that move have.
+        """
+        states = np.abs(np.vstack([turn.states, found.ends])[:, ~self.equations.drifting])
+        if states.max(initial=0.0) > AT_ZERO:
+            return False
+        word, legs = self.equations.word, self.equations.legs
+        guards = [
+            legs.tables.affine[mode, DERIVATIVES * path[0], legs.n :]
+            for mode, path in zip(word.modes, word.paths, strict=True)
+            if path
+        ]
+        return not np.abs(guards).max(initial=0.0) > AT_ZERO
 
     def _broken(self, name: str) -> str:
         """What has happened before an orbit, in words."""
@@ -348,9 +365,9 @@ class BranchTests:
         sizes = _guard_sizes(equations, turn, found, self._largest_so_far(turn))
         if self._is_equilibrium(turn):
             values, size = found.others[0], sizes.value[0]
-            for g in self._still_guards(turn, size):  # they have no lowest value
-                tests[f"border:0:{g}"] = float(values[g] / size[g])
-                beside.lowest[0, g] = np.nan
+            for guard in self._still_guards(turn, size):  # they have no lowest value
+                tests[f"border:0:{guard}"] = float(values[guard] / size[guard])
+                beside.lowest[0, guard] = np.nan
         for k, path in enumerate(word.paths):
             for g in np.flatnonzero(np.isfinite(beside.lowest[k])):
                 tests[f"graze:{k}:{g}"] = float(beside.lowest[k, g] / sizes.value[k, g])

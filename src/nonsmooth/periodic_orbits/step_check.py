@@ -59,6 +59,9 @@ class StepCheck:
         self._new = False
         if length > least and self._stretch.changes_too_much(points[0], points[end]):
             return False
+        word, trail = self._stretch.equations.word, self._stretch.trail
+        if length > least and trail.leads_back(word, [points[0], points[end]]):
+            return False  # a long step has come to a part of the branch that was passed before
         low, high = self._stretch.options.bounds
         if not is_explained(points[: end + 1], looked[: end + 1], high - low):
             if length > least:

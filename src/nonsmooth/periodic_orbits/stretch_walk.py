@@ -56,7 +56,7 @@ __all__ = ["BY_ROUNDING", "StretchWalk"]
 Floats = npt.NDArray[np.float64]
 
 _AGAIN = 1e-6  # arclength from the start of a stretch within which its own change is seen again
-_NEAR_GRAZE = 1e-2  # part of the turn: branches cross there as an excursion vanishes
+_NEAR_GRAZE = 1e-4  # part of the turn: branches cross there as an excursion vanishes
 _HALVING = "the turn passes twice through the orbit that doubles its period here"
 _SHORTER = (
     "orbits beyond it are those of a shorter period, passed more than once; their branch is that of"
@@ -66,6 +66,7 @@ _AT_HALVING = ("branch_point", "fold")  # a doubled branch turns back where it h
 _REPEATED = 1e-5  # part of its size within which a turn repeats a shorter orbit
 _IN_PROPORTION = 0.05  # part by which sizes of cycles differ from their distance from an end
 _CLOSE = 1e-4  # of a test that is about to vanish where no step succeeds any more
+_AS_FAR = 0.1  # of the way of another test, at least, of one that rises together with it
 BY_ROUNDING = 1e-8  # of a test that vanishes together with another one, by rounding
 _BESIDE = (1e-10, 1e-8, 1e-6, 1e-4)  # of the last step: how far from a change orbits are looked at
 _UNCLEAR = 20  # points behind a change that rounding may leave open
@@ -203,7 +204,12 @@ class StretchWalk:
             return True  # where the word has just changed rounding decides what the engine finds
         # a test of the word that rises; one that has just come to zero, with a fold, has fallen
         before = self._before or self._begun
-        return is_of_word(name) and before.get(name, 1.0) < -BY_ROUNDING
+        return is_of_word(name) and before.get(name, 1.0) < -self._risen(before)
+
+    def _risen(self, before: Mapping[str, float]) -> float:
+        """How far behind its zero a test has been that rises; as far as the one that is located."""
+        located = abs(before.get(self.start.grows, np.inf)) if self.start.located else np.inf
+        return min(BY_ROUNDING, _AS_FAR * located)
 
     def _locates(self, point: Point) -> bool:
         """Whether a point is the graze on whose other side the stretch begins."""

@@ -24,6 +24,7 @@ class _Step(NamedTuple):
     begin: Floats
     end: Floats
     scale: Floats  # of the unknowns and, last, of the parameter
+    length: float  # scaled
 
 
 class Trail:
@@ -47,7 +48,9 @@ class Trail:
         there = np.append(point.u, point.p)
         if self._last is not None and self._last[0] == word:
             sizes = np.append(scale, width)
-            self._steps.setdefault(word, []).append(_Step(self._last[1], there, sizes))
+            length = float(np.linalg.norm((there - self._last[1]) / sizes))
+            step = _Step(self._last[1], there, sizes, length)
+            self._steps.setdefault(word, []).append(step)
         self._last = word, there
 
     def way(self, word: Word) -> float:
@@ -74,7 +77,15 @@ class Trail:
             _is_against(step, last - first) and (_is_within(step, first) or _is_within(step, last))
             for first, last in pairwise(there)
             for step in self._steps.get(word, [])
+            if _is_beside(step, first) or _is_beside(step, last)
         )
+
+
+def _is_beside(step: _Step, there: Floats) -> bool:
+    """Whether a value of the parameter is about one of those of a step: the rest takes longer."""
+    before, after, p = float(step.begin[-1]), float(step.end[-1]), float(there[-1])
+    near = (_CONE * step.length + _ROUNDING) * float(step.scale[-1])
+    return min(before, after) - near <= p <= max(before, after) + near
 
 
 def _is_within(step: _Step, there: Floats) -> bool:

@@ -33,7 +33,7 @@ _CLEAR = 1e3  # times that has it moved over all of them
 _STEP = 1e-3  # part of itself by which the period grows in a step while the parameter does not
 # of branches that may come to no other end: steps that become too short for what they look for
 _ENDS = ("steps", "smallest_step", "singular", "word_change")
-_SHORT_STEPS = ("smallest_step", "singular")
+_SHORT = ("smallest_step", "singular", "word_change")  # likewise: steps or cycles become short
 
 
 class LastOrbits:
@@ -96,7 +96,7 @@ class LastOrbits:
         It has the multipliers and the durations of the last cycle.
         """
         options = self.options
-        if not options.autonomous or ended.ended not in _SHORT_STEPS:
+        if not options.autonomous or ended.ended not in _SHORT:
             return None
         cycles = [(part.value, part.looked.turn) for part in self._parts]
         if not cycles or not self._parts[-1].word.closes_at_event:
