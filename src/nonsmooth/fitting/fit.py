@@ -21,8 +21,9 @@ from nonsmooth.fitting.channels import (
     read_channels,
     read_shift,
 )
+from nonsmooth.fitting.clock_trial import explaining_shift, said_of_shift
 from nonsmooth.fitting.cuts import Cut, GivenRecord, cut_for, equations_of
-from nonsmooth.fitting.gain_trial import explaining_gains, said_of_gains
+from nonsmooth.fitting.gain_trial import LITTLE, explaining_gains, explains, said_of_gains
 from nonsmooth.fitting.report import NOT_CONVERGED, Search, fit_dataset
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import LOSSES, Fitted, height, prepare, solve_from
@@ -313,14 +314,19 @@ def fit(
     result = fit_dataset(whole, found, told, loss, drawn, chosen, _marks(record))
     result = with_units(result, records, datasets)
 
-    def begin(others: Sequence[GivenRecord]) -> Shooting:
-        return _shooting(others, bounds, moved, cuts, own, tolerance)
+    def begin(others: Sequence[GivenRecord], clock: Range = moved) -> Shooting:
+        return _shooting(others, bounds, clock, cuts, own, tolerance)
 
-    def again(others: Sequence[GivenRecord]) -> Search:
-        return _search(partial(begin, others), rest, loss, 1, chosen)
+    def again(others: Sequence[GivenRecord], clock: Range = moved) -> Search:
+        return _search(partial(begin, others, clock), rest, loss, 1, chosen)
 
-    gains = said_of_gains(explaining_gains(records, found, rest, begin, again))
-    more = f"; {gains}" if gains else ""
+    told_so = ""
+    if not (found.best.closed and explains(found, LITTLE)):
+        told_so = said_of_gains(explaining_gains(records, found, rest, begin, again))
+        if not (told_so or moved.is_free):
+            clocks = partial(begin, records), partial(again, records)
+            told_so = said_of_shift(explaining_shift(records, found, rest, *clocks))
+    more = f"; {told_so}" if told_so else ""
     if result.attrs["status"] != "completed":
         said = f"{system.name}: the fit has not converged: {NOT_CONVERGED}{more}"
         warnings.warn(said, ResultWarning, stacklevel=2)

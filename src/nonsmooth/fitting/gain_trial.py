@@ -24,7 +24,7 @@ from nonsmooth.fitting.report import Search
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import misfit_of_start
 
-__all__ = ["explaining_gains", "said_of_gains"]
+__all__ = ["LITTLE", "MOST", "explaining_gains", "explains", "said_of_gains"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -32,7 +32,7 @@ _APART = 3.0  # factor between spreads from which on a gain is tried: motions di
 _WIDE = 5.0  # factor on either side of the ratio of the spreads in which it is sought
 _TRIED = 3  # usual factors that are tried in a fit of their own
 _SAMPLES = 2000  # of a motion of the model
-_LITTLE, _MOST = 0.1, 0.1  # noise beside the record: it explains little; it explains most of it
+LITTLE, MOST = 0.1, 0.1  # noise beside the record: it explains little; it explains most of it
 _NEAR = 0.03  # of a factor between units, by which the gain of a record may be off
 _FACTORS = {
     180.0 / np.pi: "degrees for radians",
@@ -53,16 +53,14 @@ def explaining_gains(
 ) -> dict[str, float]:
     """Gains with which a fit explains its records, by the names of the channels.
 
-    Empty where the fit does so already, or where no gains do. ``begin`` makes the equations of
+    Empty where no gains do. ``begin`` makes the equations of
     other records, and ``search`` looks for their minimum from one start.
     """
-    if failed.best.closed and _explains(failed, _LITTLE):
-        return {}
     tried = _with_gains(records, failed.shooting, initial)
     if tried is None:
         return _usual_gains(records, failed.shooting, initial, begin, search)
     found = search(tried)
-    if not (found.best.closed and _explains(found, _MOST)):
+    if not (found.best.closed and explains(found, MOST)):
         return {}
     shooting = found.shooting
     estimates = dict(zip(shooting.names, shooting.head_values(found.best.u), strict=True))
@@ -93,7 +91,7 @@ def _usual_gains(
         if not np.isfinite(misfit):
             break
         found = search(_scaled(records, factor))
-        if found.best.closed and _explains(found, _MOST):
+        if found.best.closed and explains(found, MOST):
             return {
                 channel.name: factor * channel.gain.guess
                 for each in records
@@ -132,7 +130,7 @@ def _scaled(records: Sequence[GivenRecord], factor: float) -> list[GivenRecord]:
     ]
 
 
-def _explains(found: Search, share: float) -> bool:
+def explains(found: Search, share: float) -> bool:
     """Whether the noise is less than a share of the spread of each sampled channel."""
     channels = [one for record in found.shooting.records for one in record.channels]
     return all(

@@ -302,7 +302,7 @@ class BranchTests:
         return bool(np.any(self._resets & (np.abs(found.guard_rate) <= _TOUCHES * fast)))
 
     def _is_at_zero(self, turn: Turn, found: LegResults) -> bool:
-        """Whether an orbit without a size, as nothing drives it, lies on the surfaces of its events.
+        """Whether an orbit without size, as nothing drives it, lies on the surfaces of its events.
 
         Their guards have no part that the states do not make, as those of walls that move have.
         """

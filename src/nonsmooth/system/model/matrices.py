@@ -183,8 +183,10 @@ def _number(entry: Any, where: str) -> float:
     return number
 
 
-def offsets(given: Any, where: str, names: tuple[str, ...]) -> list[float | str] | None:
-    """Entries of b: numbers, or texts of the grammar."""
+def offsets(
+    given: Any, where: str, names: tuple[str, ...], each: str = "state"
+) -> list[float | str] | None:
+    """Entries of b: numbers, or texts of the grammar; ``each`` is what has one of them."""
     if given is None:
         return None
     n = len(names)
@@ -192,9 +194,9 @@ def offsets(given: Any, where: str, names: tuple[str, ...]) -> list[float | str]
     if len(shape) != 1:
         cure = ": take .ravel() of it" if math.prod(shape) == n else ""
         raise ModelError(f"{where} has the shape {shape}; it is a list of {n} entries{cure}")
-    entries = items_of(given, f"{where}: give a list of {n} numbers or texts, one for each state")
+    entries = items_of(given, f"{where}: give a list of {n} numbers or texts, one for each {each}")
     if len(entries) != n:
-        raise ModelError(f"{where} has {len(entries)} entries; give {n}, one for each state")
+        raise ModelError(f"{where} has {len(entries)} entries; give {n}, one for each {each}")
     return [_offset_entry(entry, f"{where}[{i}]", names[i]) for i, entry in enumerate(entries)]
 
 

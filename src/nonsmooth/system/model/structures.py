@@ -73,7 +73,7 @@ def _of_mode(parts: Mapping[str, tuple[str, Any]], mode: str, n: int) -> tuple[F
             )
         arrays[key] = np.array(numbers(entries, where, names))
     where, given = parts["force"]
-    forces = offsets(given, where, names) or [0.0] * n
+    forces = offsets(given, where, names, "degree of freedom") or [0.0] * n
     forward = np.hstack([-arrays["stiffness"], -arrays["damping"], np.eye(n)])
     below = _over_mass(arrays["mass"], forward, parts["mass"][0])
     top = np.hstack([np.zeros((n, n)), np.eye(n)])
