@@ -413,3 +413,14 @@ def test_a_closed_branch_of_cycles_without_events_ends_where_it_began():
     # the last orbit is the first one, from whatever point of it
     assert float(branch["p"][-1]) == pytest.approx(0.0, abs=1e-12)
     assert float(radius[-1]) == pytest.approx(1.5, abs=1e-10)
+
+
+def test_a_state_that_may_begin_anywhere_fixes_no_curve():
+    """A damper without a spring keeps its place."""
+    free = ns.System(
+        states=["x", "v", "y", "u"], parameters={"F": 0.1}, period="2*pi",
+        equations={"x": "v", "v": "F*cos(t) - x - 0.1*v", "y": "u", "u": "-0.2*(u - v)"},
+    )  # fmt: skip
+    branch = ns.continue_orbit(free, "F", (0.0, 0.5))
+    assert branch.attrs["end_first"] == branch.attrs["end_last"] == "singular"
+    assert "a state may be anywhere" in branch.attrs["message"]

@@ -59,7 +59,8 @@ def ending_of_orbits(ended: str, message: str, parameter: str, value: float) -> 
         " is no longer reached or a state leaves the domain of an equation; simulate a little"
         f" beyond to see what the motion does, and {again}",
         "singular": f"at {here} the equations of the orbit do not fix one curve, as where branches"
-        f" cross, or motions of any amplitude repeat; {again}",
+        " cross, motions of any amplitude repeat, or a state may be anywhere at the start;"
+        f" {again}",
         "smallest_step": f"no step from smallest_step= on was taken at {here}{reason}: the branch"
         " has a corner or a jump there, or an event is nearly grazed; try a smaller"
         f" smallest_step=, or {again}",

@@ -28,6 +28,7 @@ __all__ = [
     "begin_change",
     "doubled_start",
     "goes_on",
+    "is_crossed",
     "nearest_behind",
     "tangent_at",
 ]
@@ -74,6 +75,11 @@ def _tangent(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, float
     direction = free.T @ free[:, -1] if crosses else free[0]
     direction = direction / max(float(np.linalg.norm(direction)), 1e-300)
     return direction[:-1] * scale, float(direction[-1]) / size, crosses
+
+
+def is_crossed(equations: OrbitEquations, unknowns: Floats) -> bool:
+    """Whether orbits at one value of the parameter cross the branch, as a family of them does."""
+    return _tangent(equations, unknowns)[2]
 
 
 def begin_change(stretch: BranchStretch, change: Change, point: Point) -> BranchStart | None:

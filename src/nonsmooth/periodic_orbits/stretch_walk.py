@@ -26,7 +26,7 @@ from nonsmooth.periodic_orbits.branch_part import (
     kind_of,
     part_of,
 )
-from nonsmooth.periodic_orbits.branch_start import tangent_at
+from nonsmooth.periodic_orbits.branch_start import is_crossed, tangent_at
 from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word, what_of
 from nonsmooth.periodic_orbits.cycle_end import (
     NEARLY,
@@ -144,8 +144,19 @@ class StretchWalk:
             if self.following is not None or self.ended is not None:
                 return
         if branch.ended != "steps":
-            message = ending_of_orbits(branch.ended, branch.message, name, point.p)
-            self.ended = Followed(branch.ended, message)
+            ended = branch.ended
+            if ended == "smallest_step" and self._is_crossed(point):
+                ended = "singular"  # Newton's method has no curve to settle to
+            message = ending_of_orbits(ended, branch.message, name, point.p)
+            self.ended = Followed(ended, message)
+
+    def _is_crossed(self, point: Point) -> bool:
+        """Whether the equations of an orbit do not fix one curve."""
+        self.stretch.set_parameter(point.p)
+        try:
+            return is_crossed(self.stretch.equations, point.u)
+        except LegError:
+            return False
 
     @property
     def leads_nowhere(self) -> bool:
