@@ -74,6 +74,9 @@ def test_walls_that_move_are_touched_by_what_is_at_rest(sticks):
     branch = ns.continue_orbit(hung, "B", (0.0, 1.2), direction="up")
     assert branch["special_kind"].values[0] == "grazing"
     assert branch["special_value"].values[0] == pytest.approx(0.4, abs=1e-12)
+    # both impacts begin at once, one of them at the strobe, and the branch turns back with them
+    assert branch["special_kind"].values[1] == "fold" and branch["special_value"].values[1] < 0.1
+    assert branch.attrs["end_last"] == "bound"
 
 
 def test_impacts_without_speed_at_the_strobe_are_left_out():

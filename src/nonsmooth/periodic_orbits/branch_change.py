@@ -44,9 +44,9 @@ from nonsmooth.periodic_orbits.other_rebounds import (
     within_chatter,
 )
 from nonsmooth.periodic_orbits.stretch import BranchStart, BranchStretch
+from nonsmooth.periodic_orbits.touches import Change
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.periodic_orbits.word_change import (
-    Change,
     changes_at_once,
     changes_of_word,
     vanishing_leg,

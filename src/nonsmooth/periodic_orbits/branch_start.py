@@ -18,8 +18,8 @@ from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.newton import null_vector, scale_of, solve_orbit
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch, scale_along
+from nonsmooth.periodic_orbits.touches import Change
 from nonsmooth.periodic_orbits.word import Word
-from nonsmooth.periodic_orbits.word_change import Change
 from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 
 __all__ = [

@@ -41,6 +41,7 @@ from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.rest_margin import RestMargins
 from nonsmooth.periodic_orbits.strobes import NO_STROBES, Strobes, strobes_of
 from nonsmooth.periodic_orbits.symmetric import Reflection, half_turn_later, reflection
+from nonsmooth.periodic_orbits.touches import lowest_at_section
 from nonsmooth.periodic_orbits.word import Word
 
 __all__ = [
@@ -251,7 +252,7 @@ class BranchTests:
         if self._is_slow_at_events(turn, found):
             multipliers = multipliers_at_touch(equations, turn)
             found = legs.follow(equations.word, turn.states, turn.instants)
-        tests = tests_of_multipliers(multipliers)
+        tests = self._of_multipliers(multipliers)
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
         at_rest = bool(equations.word.n_events) and self._is_at_zero(turn, found)
         # guards that vanish all along tell of rounding
@@ -288,6 +289,18 @@ class BranchTests:
             del self._seen[next(iter(self._seen))]
         self._seen[key] = looked
         return looked
+
+    def _of_multipliers(self, multipliers: Floquet) -> dict[str, float]:
+        """Their tests; that of a torus says nothing while all it has been is rounding.
+
+        Where nothing is lost, pairs of multipliers have the product one all along.
+        """
+        tests = tests_of_multipliers(multipliers)
+        if abs(tests.get("torus", 0.0)) > _ZERO:
+            self._clear.add("torus")
+        elif "torus" not in self._clear:
+            tests.pop("torus", None)
+        return tests
 
     def _is_slow_at_events(self, turn: Turn, found: LegResults) -> bool:
         """Whether few digits are known of the speed with which an orbit comes to its events.
@@ -328,6 +341,9 @@ class BranchTests:
         for k in self.closely:
             begin, end = turn.instants[k : k + 2]
             lowest[k] = legs.closer_minima(word.modes[k], turn.states[k], begin, end).values
+        at_strobe = lowest_at_section(self.equations, turn)
+        alone = np.isnan(lowest[0]) & np.isnan(lowest[-1])
+        lowest[0] = np.where(alone, at_strobe, lowest[0])
         if self.followed is not None:
             k, g, part = self.followed
             lowest[k, g] = self._followed_minima(turn, k, part).values[g]

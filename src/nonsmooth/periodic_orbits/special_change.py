@@ -21,7 +21,8 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.special_condition import CurveStart, SpecialCondition
-from nonsmooth.periodic_orbits.word_change import Change, changes_of_word
+from nonsmooth.periodic_orbits.touches import Change
+from nonsmooth.periodic_orbits.word_change import changes_of_word
 
 __all__ = ["CurvePiece", "pieces_behind"]
 

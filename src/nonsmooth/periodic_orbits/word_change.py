@@ -18,8 +18,6 @@ the parameter being free.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 import numpy.typing as npt
 
@@ -40,30 +38,17 @@ from nonsmooth.periodic_orbits.onto import (
     with_jump,
     without_jump,
 )
+from nonsmooth.periodic_orbits.touches import GONE, OPENED, Change, with_contact
 from nonsmooth.periodic_orbits.wall_at_surface import surface_before_wall, wall_before_surface
 from nonsmooth.periodic_orbits.word import Word, shortest_paths
 
-__all__ = ["Change", "changes_at_once", "changes_of_word", "vanishing_leg"]
+__all__ = ["changes_at_once", "changes_of_word", "vanishing_leg"]
 
 Integers = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
-_OPENED = 1e-3  # part of the turn that a leg lasts where a branch with it begins
-_GONE = 1e-7  # part of the turn that a leg lasts which vanishes with a test of the same point
 # tests of a leg, or of the one behind it, that vanish where that leg does
 _OF_LEGS = ("leg", "rate", "short", "gain", "corner")
-_OPENED_OF_SLIDE = 4e-3  # likewise, from a surface on which motion slides
-
-
-@dataclass(frozen=True)
-class Change:
-    """A word with legs to begin with, and what has to grow from there on."""
-
-    kind: str  # what the special point is called, or "section"
-    guess: Guess
-    grows: str = ""  # test of the new word that is zero at the change, positive behind it
-    opens: int = -1  # leg whose duration is prescribed to begin with, -1 for none
-    duration: float = 0.0
 
 
 def _onto_surface(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
@@ -92,7 +77,7 @@ def _off_surface_first(equations: OrbitEquations, turn: Turn, k: int, g: int) ->
         return []
     # a leg of no duration would solve the equations too, so it begins with one
     length = float(turn.instants[-1] - turn.instants[0])
-    duration = min(_OPENED * length, 0.5 * float(turn.durations[(k + 1) % len(word)]))
+    duration = min(OPENED * length, 0.5 * float(turn.durations[(k + 1) % len(word)]))
     found = []
     for back in shortest_paths(wiring, beyond, cell):
         guess = _with_leg(equations, turn, k, path[:-1], beyond, back)
@@ -119,11 +104,20 @@ def _with_leg(
 def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> list[Change]:
     """One change for several tests that vanish together, as they do on a symmetric orbit.
 
-    Legs behind others are changed first, so that the numbers of those before stay what they are.
+    Legs behind others are changed first, and touches that come later in a leg, so that the numbers
+    of those before stay what they are.
     """
-    last: Change | None = None
+    found: list[Change] = []
     before = len(equations.word)  # legs from here on have changed
-    for name in sorted(names, key=lambda each: -int(each.split(":")[1])):
+    places = equations.legs.minima(equations.word, turn.states, turn.instants).places
+
+    def instant(name: str) -> tuple[int, float]:
+        kind, *numbers = name.split(":")
+        k = int(numbers[0])
+        place = places[k, int(numbers[1])] if kind == "graze" else 0.0
+        return k, float(np.nan_to_num(place))
+
+    for name in sorted(names, key=instant, reverse=True):
         if int(name.split(":")[1]) >= before:
             continue  # it went with an excursion of several legs
         found = changes_of_word(equations, turn, name)
@@ -134,7 +128,7 @@ def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> 
             before = int(last.grows.split(":")[1])
         turn = last.guess.turn
         equations = equations.of_word(last.guess.word, turn.states[0])
-    return [] if last is None else [last]
+    return found
 
 
 def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Change]:
@@ -171,7 +165,7 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
     if kind == "corner":
         return _with_event_first(equations, turn, k, int(numbers[1]))
     if kind == "graze":
-        return _with_excursion(equations, turn, k, int(numbers[1]))
+        return with_contact(equations, turn, k, int(numbers[1]))
     if kind == "border":
         return [
             Change("boundary_equilibrium", guess, grows)
@@ -199,7 +193,7 @@ def vanishing_leg(equations: OrbitEquations, turn: Turn, name: str) -> str:
     behind = (k + 1) % len(word)
     length = float(turn.instants[-1] - turn.instants[0])
     for leg in {"slide": (behind,), "enter": (behind, k), "rate": (k,)}[kind]:
-        if abs(float(turn.durations[leg])) <= _GONE * length and word.paths[leg]:
+        if abs(float(turn.durations[leg])) <= GONE * length and word.paths[leg]:
             return f"leg:{leg}"
     return name
 
@@ -293,7 +287,7 @@ def _in_other_order(equations: OrbitEquations, turn: Turn, k: int) -> list[Chang
     states[k] = equations.legs.follow(new, turn.states, turn.instants).nexts[k - 1]
     behind = equations.legs.follow(new, states, turn.instants).nexts[k].copy()
     sizes = np.abs(turn.states).max(axis=0)
-    if np.any(np.abs(behind - before) > _GONE * sizes):
+    if np.any(np.abs(behind - before) > GONE * sizes):
         return []
     return [Change("section", Guess(new, Turn(states, turn.instants)), f"leg:{k}")]
 
@@ -395,7 +389,7 @@ def _without_whole_excursion(equations: OrbitEquations, turn: Turn, name: str) -
     if kind not in _OF_LEGS or not numbers or numbers[0] == "last":
         return None
     word, count, k = equations.word, len(equations.word), int(numbers[0])
-    short = turn.durations <= _GONE * float(turn.instants[-1] - turn.instants[0])
+    short = turn.durations <= GONE * float(turn.instants[-1] - turn.instants[0])
     first = k if short[k] else (k + 1) % count
     if not short[first] or np.count_nonzero(short) > count - 2:
         return None
@@ -543,7 +537,7 @@ def _around_corner(equations: OrbitEquations, turn: Turn, k: int, g: int) -> lis
         return []
     inside, after = int(wiring.exits["target"][word.modes[k], g]), word.modes[k + 1]
     length = float(turn.instants[-1] - turn.instants[0])
-    duration = min(_OPENED * length, 0.25 * float(turn.durations[k : k + 2].min()))
+    duration = min(OPENED * length, 0.25 * float(turn.durations[k : k + 2].min()))
     corner = equations.legs.follow(word, turn.states, turn.instants).ends[k]
     states = np.insert(turn.states, [k + 1, k + 1], [corner, corner], axis=0)
     instants = np.insert(turn.instants, [k + 1, k + 2], turn.instants[k + 1])
@@ -560,105 +554,3 @@ def _around_corner(equations: OrbitEquations, turn: Turn, k: int, g: int) -> lis
                 guess = Guess(new, Turn(states, instants))
                 found.append(Change("corner", guess, "", k + 1, duration))
     return found
-
-
-def _with_excursion(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
-    """Guard g is touched within leg k: its exit is passed there, and the way back is found."""
-    word, wiring, legs = equations.word, equations.legs.tables.wiring, equations.legs
-    place = legs.minima(word, turn.states, turn.instants).places[k, g]
-    if not np.isfinite(place):
-        begin, end = turn.instants[k : k + 2]
-        place = legs.closer_minima(word.modes[k], turn.states[k], begin, end).places[g]
-    instant = float(turn.instants[k] + place)
-    mode, target = word.modes[k], int(wiring.exits["target"][word.modes[k], g])
-    if target < 0 or not np.isfinite(instant):
-        return []
-    changes, onto = [], onto_beyond(wiring, mode, g)
-    for path in [(g, onto), (g,)] if onto >= 0 else [(g,)]:
-        touch = Word((mode,), (path,))
-        found = legs.follow_each(
-            touch, turn.states[k : k + 1], turn.instants[k : k + 1], np.array([instant])
-        )
-        ends, behind = found.ends[0].copy(), found.nexts[0].copy()
-        if target == mode:
-            modes = (*word.modes[: k + 1], mode, *word.modes[k + 1 :])
-            paths = (*word.paths[:k], (g,), *word.paths[k:])
-            states = np.insert(turn.states, k + 1, behind, axis=0)
-            instants = np.insert(turn.instants, k + 1, instant)
-            new = Guess(Word(modes, paths), Turn(states, instants))
-            return [_begun_at_event(equations, Change("grazing", new, f"rate:{k}"))]
-        if onto < 0:
-            path = _to_where_it_is(equations, mode, path, behind, instant)
-        away = modes_along(wiring, mode, path)[-1]
-        changes += [
-            _opened(equations, turn, k, instant, (path, away, back), (behind, ends))
-            for back in shortest_paths(wiring, away, mode)
-        ]
-    return [_begun_at_event(equations, change) for change in changes]
-
-
-def _to_where_it_is(
-    equations: OrbitEquations, mode: int, path: tuple[int, ...], state: Floats, instant: float
-) -> tuple[int, ...]:
-    """A path with the exits that follow at once: guards of the mode behind that are negative there.
-
-    A cell that does not know the sign of a surface leads to the positive side of it. Between two
-    springs that is contact on the other side, from which the motion goes on to the gap.
-    """
-    wiring = equations.legs.tables.wiring
-    while len(path) < PATH_LENGTH:
-        *_, before, there = modes_along(wiring, mode, path)
-        at = np.array([instant])
-        guards = equations.legs.follow_each(Word((there,), ((),)), state[None], at, at).others[0]
-        targets = targets_of_cell(wiring, there)
-        clear = -_GONE * np.nanmax(np.abs(guards), initial=0.0)  # the one that is touched is zero
-        passed = [
-            g
-            for g in range(min(len(targets), len(guards)))
-            if guards[g] < clear and targets[g] not in (before, -1) and not wiring.resets(there, g)
-        ]
-        if len(passed) != 1:
-            break
-        path = (*path, passed[0])
-    return path
-
-
-def _begun_at_event(equations: OrbitEquations, change: Change) -> Change:
-    """A cycle that passed no event, and passes some now: it begins at the first one of them.
-
-    What comes before that goes on where the turn ends.
-    """
-    if not equations.is_smooth_cycle:
-        return change
-    word, turn = change.guess
-    count = len(word) - 1
-    new = Word(word.modes[1:], (*word.paths[1:-1], word.paths[0]))
-    instants = turn.instants[1:] - turn.instants[1]
-    instants[-1] += turn.durations[0]
-    grows = f"rate:{count - 1}" if change.grows else ""  # it ends the leg that began at the plane
-    opens = change.opens - 1 if change.opens >= 0 else -1
-    return replace(
-        change, guess=Guess(new, Turn(turn.states[1:], instants)), grows=grows, opens=opens
-    )
-
-
-def _opened(
-    equations: OrbitEquations, turn: Turn, k: int, instant: float,
-    excursion: tuple[tuple[int, ...], int, tuple[int, ...]], states_there: tuple[Floats, Floats],
-) -> Change:  # fmt: skip
-    """Leg k with an excursion at an instant: the path out, the mode there, and the path back."""
-    word = equations.word
-    path, away, back = excursion
-    behind, ends = states_there
-    length = float(turn.instants[-1] - turn.instants[0])
-    room = min(instant - turn.instants[k], turn.instants[k + 1] - instant)
-    kind = kind_of_excursion(equations.legs.tables.wiring, word.modes[k], away)
-    share = _OPENED_OF_SLIDE if kind == "adding_sliding" else _OPENED
-    duration = min(share * length, 0.5 * room)
-    modes = (*word.modes[: k + 1], away, *word.modes[k:])
-    paths = (*word.paths[:k], path, back, *word.paths[k:])
-    states = np.insert(turn.states, [k + 1, k + 1], [behind, behind], axis=0)
-    states[k + 2] = ends
-    cut = [instant - 0.5 * duration, instant + 0.5 * duration]
-    instants = np.insert(turn.instants, [k + 1, k + 1], cut)
-    return Change(kind, Guess(Word(modes, paths), Turn(states, instants)), "", k + 1, duration)
