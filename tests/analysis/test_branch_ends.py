@@ -424,3 +424,15 @@ def test_a_state_that_may_begin_anywhere_fixes_no_curve():
     branch = ns.continue_orbit(free, "F", (0.0, 0.5))
     assert branch.attrs["end_first"] == branch.attrs["end_last"] == "singular"
     assert "a state may be anywhere" in branch.attrs["message"]
+
+
+def test_free_oscillations_that_repeat_with_the_period_fix_no_orbit():
+    """Two free periods in one of the forcing: motions of any amplitude repeat."""
+    free = ns.System(
+        states=["x", "v"],
+        parameters={"F": 0.1},
+        period="4*pi",
+        equations={"x": "v", "v": "F*cos(t/2) - x - max(x - 1, 0)"},
+    )
+    with pytest.raises(ns.RunError, match="do not fix one curve, as where branches cross, motions"):
+        ns.continue_orbit(free, "F", (0.0, 0.2), initial={"x": 0.1 / 0.75}, transient=0)

@@ -39,6 +39,7 @@ REGULAR = ("graze", "corner", "slide", "enter", "rest")  # tests that are smooth
 _SOLVED = 1e-7  # scaled residual of a start where the equations are singular
 _ASTRAY = 1e-6  # of the size of an orbit that changes its word: as far from its guess as none is
 _GAIN = 1e4  # of a residual: a solution that far from its guess is not better than that
+_ROUNDED = 1e-13  # of the largest singular value: one that is zero, as others may be too
 _ZERO = 1e-6  # of the next singular value: one that is zero, but for rounding
 _OFF = 1e-3  # of the range of the parameter: away from orbits that cross a branch
 _NEWTON = 20
@@ -70,7 +71,8 @@ def _tangent(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, float
     matrix = np.column_stack([jacobian * scale, moved[:, 0] / size])
     weights = np.abs(matrix).max(axis=1, keepdims=True)
     _, sizes, vectors = np.linalg.svd(matrix / np.where(weights > 0.0, weights, 1.0))
-    crosses = bool(sizes.size > 1 and sizes[-1] <= _ZERO * sizes[-2])
+    zero = max(_ZERO * sizes[-2], _ROUNDED * sizes[0]) if sizes.size > 1 else -1.0
+    crosses = bool(sizes[-1] <= zero)
     free = vectors[-2:] if crosses else vectors[-1:]
     direction = free.T @ free[:, -1] if crosses else free[0]
     direction = direction / max(float(np.linalg.norm(direction)), 1e-300)

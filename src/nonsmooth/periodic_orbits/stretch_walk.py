@@ -106,10 +106,12 @@ class StretchWalk:
         try:
             branch = self.stretch.branch(self.start, steps, self.check, self.home)
         except RunError as fault:
+            ended = "singular" if self._is_crossed(self.start.unknowns, self.start.value) else "smallest_step"
+            message = ending_of_orbits(ended, str(fault), name, self.start.value)
             if self.begin == 0.0:  # the first orbit of all
-                raise
-            message = ending_of_orbits("smallest_step", str(fault), name, self.start.value)
-            self.ended = Followed("smallest_step", message)
+                system = self.stretch.options.system.name
+                raise RunError(f"{system}: {message}", status=ended) from None
+            self.ended = Followed(ended, message)
             return
         first: tuple[Point, Looked] | None = None
         for point in _telling(branch):
@@ -145,16 +147,16 @@ class StretchWalk:
                 return
         if branch.ended != "steps":
             ended = branch.ended
-            if ended == "smallest_step" and self._is_crossed(point):
+            if ended == "smallest_step" and self._is_crossed(point.u, point.p):
                 ended = "singular"  # Newton's method has no curve to settle to
             message = ending_of_orbits(ended, branch.message, name, point.p)
             self.ended = Followed(ended, message)
 
-    def _is_crossed(self, point: Point) -> bool:
+    def _is_crossed(self, u: Floats, p: float) -> bool:
         """Whether the equations of an orbit do not fix one curve."""
-        self.stretch.set_parameter(point.p)
+        self.stretch.set_parameter(p)
         try:
-            return is_crossed(self.stretch.equations, point.u)
+            return is_crossed(self.stretch.equations, u)
         except LegError:
             return False
 
