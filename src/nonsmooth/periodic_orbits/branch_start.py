@@ -16,7 +16,7 @@ from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.family import member_of_family
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
-from nonsmooth.periodic_orbits.newton import null_vector, scale_of, solve_orbit
+from nonsmooth.periodic_orbits.newton import null_vector, row_scale, scale_of, solve_orbit
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch, scale_along
 from nonsmooth.periodic_orbits.touches import Change
 from nonsmooth.periodic_orbits.word import Word
@@ -39,7 +39,7 @@ REGULAR = ("graze", "corner", "slide", "enter", "rest")  # tests that are smooth
 _SOLVED = 1e-7  # scaled residual of a start where the equations are singular
 _ASTRAY = 1e-6  # of the size of an orbit that changes its word: as far from its guess as none is
 _GAIN = 1e4  # of a residual: a solution that far from its guess is not better than that
-_ROUNDED = 1e-13  # of the largest singular value: one that is zero, as others may be too
+_ROUNDED = 1e-12  # of the scale of an equation: derivatives that are zero
 _ZERO = 1e-6  # of the next singular value: one that is zero, but for rounding
 _OFF = 1e-3  # of the range of the parameter: away from orbits that cross a branch
 _NEWTON = 20
@@ -71,8 +71,7 @@ def _tangent(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, float
     matrix = np.column_stack([jacobian * scale, moved[:, 0] / size])
     weights = np.abs(matrix).max(axis=1, keepdims=True)
     _, sizes, vectors = np.linalg.svd(matrix / np.where(weights > 0.0, weights, 1.0))
-    zero = max(_ZERO * sizes[-2], _ROUNDED * sizes[0]) if sizes.size > 1 else -1.0
-    crosses = bool(sizes[-1] <= zero)
+    crosses = bool(sizes.size > 1 and sizes[-1] <= _ZERO * sizes[-2])
     free = vectors[-2:] if crosses else vectors[-1:]
     direction = free.T @ free[:, -1] if crosses else free[0]
     direction = direction / max(float(np.linalg.norm(direction)), 1e-300)
@@ -81,6 +80,12 @@ def _tangent(equations: OrbitEquations, unknowns: Floats) -> tuple[Floats, float
 
 def is_crossed(equations: OrbitEquations, unknowns: Floats) -> bool:
     """Whether orbits at one value of the parameter cross the branch, as a family of them does."""
+    _, jacobian, moved = equations.evaluate(unknowns)
+    scale = scale_of(equations, unknowns)
+    rows = row_scale(equations, scale, jacobian)
+    parts = np.column_stack([np.abs(jacobian) * scale, np.abs(moved[:, 0])]) / rows[:, None]
+    if np.any(parts.max(axis=1) <= _ROUNDED):
+        return True
     return _tangent(equations, unknowns)[2]
 
 

@@ -106,7 +106,8 @@ class StretchWalk:
         try:
             branch = self.stretch.branch(self.start, steps, self.check, self.home)
         except RunError as fault:
-            ended = "singular" if self._is_crossed(self.start.unknowns, self.start.value) else "smallest_step"
+            crossed = self._is_crossed(self.start.unknowns, self.start.value)
+            ended = "singular" if crossed else "smallest_step"
             message = ending_of_orbits(ended, str(fault), name, self.start.value)
             if self.begin == 0.0:  # the first orbit of all
                 system = self.stretch.options.system.name
