@@ -443,6 +443,8 @@ def test_a_long_step_does_not_lead_back_along_a_branch():
     """Beyond the fold at f = 6.3788 the branch passes near where it has been."""
     begin = ns.find_orbit(stiff_stops(), parameters={"f": 25.0})
     branch = ns.continue_orbit(stiff_stops(), "f", (5.0, 60.0), initial=begin, direction="down")
-    folds = branch["special_value"].values[branch["special_kind"].values == "fold"]
+    kinds = branch["special_kind"].values
+    assert "symmetry_breaking" in kinds and "branch_point" not in kinds
+    folds = branch["special_value"].values[kinds == "fold"]
     assert np.sort(np.abs(folds - 7.268261))[0] < 1e-6  # found with steps of a twentieth too
     assert np.sort(np.abs(folds - 7.246596))[0] < 1e-6

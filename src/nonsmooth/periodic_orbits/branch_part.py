@@ -11,7 +11,7 @@ from nonsmooth.periodic_orbits.branch_tests import Looked, what_of
 from nonsmooth.periodic_orbits.graze_pole import has_pole
 from nonsmooth.periodic_orbits.multipliers import UNBOUNDED, Floquet, multipliers_at_touch
 from nonsmooth.periodic_orbits.stretch import BranchStretch
-from nonsmooth.periodic_orbits.symmetric import is_antisymmetric
+from nonsmooth.periodic_orbits.symmetric import is_antisymmetric, reflection
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.system.model.value_checks import IS_REQUIRED
 
@@ -108,6 +108,14 @@ def part_of(
     stretch: BranchStretch, looked: Looked, point: Point, along: float, special: str, detail: str
 ) -> BranchPart:
     """A point with what happens there."""
+    if (
+        special == "branch_point"
+        and looked.reflection is not None
+        and looked.reflection.later is None
+    ):
+        stretch.set_parameter(point.p)
+        own = reflection(stretch.equations, looked.turn, at_crossing=True)
+        looked = replace(looked, reflection=own)
     if special == "branch_point" and is_antisymmetric(
         stretch.equations, looked.turn, looked.reflection
     ):

@@ -30,6 +30,7 @@ Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
 
 _SHARES = np.array([0.0, 0.137, 0.289, 0.411])  # of the turn, where it is looked at
+_SAME_AT_CROSSING = 1e-3  # likewise, where stiff walls leave fewer digits across the branch
 _SAME = 1e-6  # of the size of each state: where branches cross, orbits are found to half the digits
 _AT_EVENT = 1e-9  # part of the turn: half of it ends at an event
 
@@ -119,14 +120,22 @@ class Reflection(NamedTuple):
         return self.later is not None
 
 
-def reflection(equations: OrbitEquations, turn: Turn) -> Reflection | None:
-    """An orbit beside its image under the declared symmetry; None where none is declared."""
+def reflection(
+    equations: OrbitEquations, turn: Turn, *, at_crossing: bool = False
+) -> Reflection | None:
+    """An orbit beside its image under the declared symmetry; None where none is declared.
+
+    ``at_crossing``: where branches cross, few digits of an orbit are known across its own one.
+    """
     mirror = _mirror_at(equations.legs)
     if mirror is None:
         return None
     matrix, offset = mirror.matrix, mirror.states.offset
     possible = _possible(equations, half_period=mirror.half_period)
-    own = (each for each in possible if _is_own_image(equations, turn, each, matrix, offset))
+    within = _SAME_AT_CROSSING if at_crossing else _SAME
+    own = (
+        each for each in possible if _is_own_image(equations, turn, each, matrix, offset, within)
+    )
     later = next(own, None)
     halves = _half_multipliers(equations, turn, matrix) if later == 0.5 else np.zeros(0, complex)
     return Reflection(later, halves)
@@ -193,15 +202,16 @@ def _possible(equations: OrbitEquations, *, half_period: bool) -> Iterator[float
 
 
 def _is_own_image(
-    equations: OrbitEquations, turn: Turn, later: float, matrix: Floats, offset: Floats
-) -> bool:
+    equations: OrbitEquations, turn: Turn, later: float, matrix: Floats, offset: Floats,
+    within: float = _SAME,
+) -> bool:  # fmt: skip
     length, shares = float(turn.instants[-1] - turn.instants[0]), _places(equations, turn, later)
     now = equations.states_along(turn, turn.instants[0] + shares * length)
     then = equations.states_along(turn, turn.instants[0] + (shares + later) * length)
     keep = ~equations.drifting
     images = now @ matrix.T + offset
     size = np.abs(np.concatenate([images, then, turn.states])).max(axis=0)[keep]
-    return bool(keep.any() and np.all(np.abs(images - then)[:, keep] <= _SAME * (size + 1e-300)))
+    return bool(keep.any() and np.all(np.abs(images - then)[:, keep] <= within * (size + 1e-300)))
 
 
 def _places(equations: OrbitEquations, turn: Turn, later: float) -> Floats:
