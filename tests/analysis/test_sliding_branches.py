@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 import nonsmooth as ns
 from periodic_orbits.references import belt as reference
@@ -236,3 +238,40 @@ def test_a_follower_lifts_off_its_cam(phase, low):
     for speed, word in zip(branch["w"].values, branch["word"].values.tolist(), strict=True):
         if abs(speed - LIFT_OFF) > 1e-6:
             assert ("air" in word) == (speed > LIFT_OFF)
+
+
+@pytest.mark.parametrize(("name", "between"), [("Om", (1.0, 120.0)), ("mu1", (0.0, 0.01))])
+def test_a_slip_that_becomes_short_ends_at_the_border_of_what_sticks(name, between):
+    """A disc on a shaft, driven by friction that falls with the slip: clutch judder.
+
+    That the slip lasts no time solves its equations too, and long steps come upon that.
+    """
+    values = {"mu1": 0.006, "Om": 35.0}
+    friction = "462*(0.38 - mu1*abs(slip))*sign(slip)"
+    clutch = ns.System(
+        states=["phi", "w"], parameters=values, initial={"w": 0.0},
+        equations={"phi": "w", "w": f"(-620*phi - w/2 + {friction})/0.14"},
+        surfaces={"slip": ns.Surface("Om - w", below="over", on="stick", above="under")},
+    )  # fmt: skip
+    branch = ns.continue_orbit(clutch, name, between, direction="down")
+    border = branch["special_value"].values[branch["special_kind"].values == "switching_sliding"]
+
+    def above(value: float) -> float:
+        """How far phi is from the other border of what sticks where the motion comes back."""
+        given = values | {name: value}
+        speed, slope = given["Om"], given["mu1"]
+        rate = np.array([[0.0, 1.0], [-620.0 / 0.14, (-0.5 + 462.0 * slope) / 0.14]])
+        rest = 462.0 * (0.38 - slope * speed) / 620.0
+        begin = np.array([(462.0 * 0.38 - 0.5 * speed) / 620.0 - rest, speed])
+
+        def state(time: float) -> np.ndarray:
+            return expm(rate * time) @ begin
+
+        times = np.linspace(0.01, 0.2, 400)
+        speeds = np.array([state(time)[1] for time in times]) - speed
+        first = int(np.flatnonzero((speeds[:-1] < 0.0) & (speeds[1:] >= 0.0))[0])
+        back = brentq(lambda t: state(t)[1] - speed, times[first], times[first + 1], xtol=1e-15)
+        return state(back)[0] + rest + (462.0 * 0.38 + 0.5 * speed) / 620.0
+
+    exact = brentq(above, *{"Om": (10.0, 30.0), "mu1": (0.002, 0.0045)}[name], xtol=1e-14)
+    assert border == pytest.approx([exact], rel=1e-11)

@@ -76,3 +76,40 @@ def test_a_motion_that_decays_is_no_orbit(damping):
     orbit = ns.find_orbit(oscillator(f"-x - {damping}*v"), {"x": 1.0})
     assert orbit.attrs["status"] != "completed"
     assert "at rest" in orbit.attrs["message"] or "period 1" in orbit.attrs["message"]
+
+
+def jenkins(force: float) -> ns.System:
+    """A mass on a spring beside a spring in series with a slider that holds 12 N."""
+    rate = "(F*cos(55*t) - 4000*x - 3*v - q)/2.5"
+    slips = {"x": "v", "v": rate, "q": "0"}
+    return ns.System(
+        states=["x", "v", "q"], parameters={"F": force}, period="2*pi/55",
+        modes={
+            "stick": ns.Mode(
+                {"x": "v", "v": rate, "q": "9000*v"},
+                exits=[ns.Exit("12 - q", to="up"), ns.Exit("q + 12", to="down")],
+            ),
+            "up": ns.Mode(slips, exits=[ns.Exit("v", to="stick")]),
+            "down": ns.Mode(slips, exits=[ns.Exit("-v", to="stick")]),
+        },
+    )  # fmt: skip
+
+
+def test_a_slider_that_sticks_keeps_its_place():
+    """There q - 9000 x is conserved, and any value of it makes an orbit."""
+    receptance = 1.0 / (4000.0 + 9000.0 - 2.5 * 55.0**2 + 3.0j * 55.0)
+    touch = 12.0 / (9000.0 * abs(receptance))
+    slips = ns.continue_orbit(jenkins(10.0), "F", (2.0, 12.0), direction="down")
+    assert slips.attrs["end_first"] == "bound"
+    assert slips["special_kind"].values.tolist() == ["bound", "grazing"]
+    # the place is that in which the last slips leave it, which last a thousandth of a turn
+    assert slips["special_value"].values[1] == pytest.approx(touch, rel=1e-7)
+    for start in ({}, {"q": 3.0}):
+        begin = ns.find_orbit(jenkins(2.0), start)
+        branch = ns.continue_orbit(jenkins(2.0), "F", (1.0, 4.0), initial=begin)
+        assert (branch.attrs["end_first"], branch.attrs["end_last"]) == ("bound", "bound")
+        place = branch["q"].values - 9000.0 * branch["x"].values
+        np.testing.assert_allclose(place, place[0], atol=1e-10)
+        response = branch["F"].values * receptance.real
+        hung = -place[0] / (4000.0 + 9000.0)
+        np.testing.assert_allclose(branch["x"].values, response + hung, atol=1e-12)

@@ -130,7 +130,7 @@ def _by_change_of_word(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> _WayOn | None:
     """The orbit of a word to which the test leads that has vanished."""
-    name = _what_happens(looked, point)
+    name = _what_happens(stretch, looked, point)
     hidden = name != point.special
     stretch.set_parameter(point.p)
     changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
@@ -158,7 +158,7 @@ def _by_motion_beyond(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> _WayOn | None:
     """The orbit near this one on which the engine comes a little beyond."""
-    name = _what_happens(looked, point)
+    name = _what_happens(stretch, looked, point)
     for change in _changes_beyond(stretch, looked, replace(point, special=name)):
         start = begin_change(stretch, change, point)
         if start is None or not is_near(stretch, start, looked):
@@ -186,7 +186,7 @@ def _by_motions_nearby(
     stretch: BranchStretch, point: Point, looked: Looked, along: float
 ) -> _WayOn | None:
     """The orbit that motions beside the change come to, if it joins the one of the change."""
-    name = _what_happens(looked, point)
+    name = _what_happens(stretch, looked, point)
     for value, guess in _beside(stretch, point, looked):
         behind = (value - point.p) * way_of(point) < 0.0
         if _is_known(stretch, guess.word, value, abs(value - point.p) if behind else None):
@@ -267,22 +267,34 @@ def _is_known(stretch: BranchStretch, word: Word, value: float, back: float | No
     return cycle_of(word, system) in {cycle_of(each, system) for each in known}
 
 
-def _what_happens(looked: Looked, point: Point) -> str:
+def _what_happens(stretch: BranchStretch, looked: Looked, point: Point) -> str:
     """What a point is special by: a slow impact where the engine only finds another motion.
 
     The engine takes an impact for a graze that reaches behind its guard by rounding only, the
     square of its speed. It may pass the section there. Where a leg vanishes onto a surface on which
-    motion slides, it is also at the border of what slides there, and has no speed.
+    motion slides, it is also at the border of what slides there, and has no speed; that it lasts no
+    time solves its equations too, so that its speed may have any sign.
     """
-    if what_of(point.special) == "enter":
-        k = point.special.split(":")[1]
-        lasts, rate = (abs(looked.tests.get(f"{kind}:{k}", 1.0)) for kind in ("leg", "rate"))
-        return f"leg:{k}" if rate <= lasts <= _NEARLY_GONE else point.special
+    kind, *numbers = point.special.split(":")
+    if kind in ("enter", "rate"):
+        k = int(numbers[0])
+        lasts, rate = (abs(looked.tests.get(f"{name}:{k}", 1.0)) for name in ("leg", "rate"))
+        slow = rate <= lasts if kind == "enter" else _comes_from_surface(stretch, k)
+        return f"leg:{k}" if slow and lasts <= _NEARLY_GONE else point.special
     if point.special not in ("motion", *_AT_SECTION):
         return point.special
     rates = {name: value for name, value in looked.tests.items() if what_of(name) == "rate"}
     least = min(rates, key=lambda name: rates[name], default="")
     return least if least and abs(rates[least]) <= _SLOW else point.special
+
+
+def _comes_from_surface(stretch: BranchStretch, k: int) -> bool:
+    """Whether leg k leaves the surface onto which it leads, and is no flight between impacts."""
+    word, wiring = stretch.equations.word, stretch.legs.tables.wiring
+    before = (k - 1) % len(word)
+    if word.last_target(wiring, k) == word.modes[k] or not word.paths[before]:
+        return False
+    return not any(wiring.resets(word.modes[i], word.paths[i][0]) for i in (before, k))
 
 
 def _touched(stretch: BranchStretch, start: BranchStart) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.orbits import Closing, LegResults, close_legs
-from nonsmooth.periodic_orbits.legs import Legs
+from nonsmooth.periodic_orbits.legs import Legs, balanced_units
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 
@@ -37,6 +37,8 @@ class Turn:
         return np.diff(self.instants)
 
 
+_CONSERVED = 1e-12  # singular value of the equations, in units that balance them, that is none
+_KEPT = 1e-9  # change of a sum of states that is none
 _STEADY = 1e-9  # derivative of the change over a turn, and change beside the state, that are none
 
 
@@ -75,6 +77,7 @@ class OrbitEquations:
         self._across = np.zeros(n)  # normal of the plane at the reference
         self._speed = 0.0  # of the flow there
         self._ahead: float | None = None  # height of a plane that goes along, else it stays
+        self._may_conserve = True  # until a turn without events has been seen to keep nothing
         self.results: LegResults | None = None
 
     def of_word(self, word: Word, origin: Floats) -> OrbitEquations:
@@ -243,6 +246,37 @@ class OrbitEquations:
         for i in np.flatnonzero(still & (residual[:n] == 0.0)):
             residual[i] = turn.states[0, i] - self.origin[i]
             jacobian[i, i] = 1.0
+        if self._may_conserve:
+            self._may_conserve = self._keep_conserved(turn, residual, jacobian, moved)
+
+    def _keep_conserved(
+        self, turn: Turn, residual: Floats, jacobian: Floats, moved: Floats
+    ) -> bool:
+        """Let sums of states that the flow conserves stay what they are at the origin; if any are.
+
+        As the force of a spring in series with a slider that sticks, beside its stretch. Left null
+        vectors of the equations are such sums where they are those of half a turn too.
+        """
+        n = self.legs.n
+        flow = jacobian[:n, :n] + np.eye(n)
+        units = balanced_units(np.abs(flow))
+        matrix = jacobian[:n, :n] * units / units[:, None]
+        left, sizes, _ = np.linalg.svd(matrix)
+        rows = left[:, sizes <= _CONSERVED * max(1.0, sizes[0])].T
+        if not rows.size:
+            return False
+        word = Word(self.word.modes, ((),))
+        half = np.array([0.5 * (turn.instants[0] + turn.instants[-1])])
+        found = self.legs.follow_each(word, turn.states, turn.instants[:1], half).flow[0, :n].T
+        changed = rows @ (found * units / units[:, None]) - rows
+        moves = np.abs(rows @ (moved[:n] / units[:, None])).max(axis=1, initial=0.0)
+        size = np.abs(moved[:n] / units[:, None]).max(initial=0.0)
+        kept = (np.abs(changed).max(axis=1) <= _KEPT) & (moves <= _KEPT * size)
+        for row in rows[kept]:
+            apart = float(row @ ((turn.states[0] - self.origin) / units))
+            residual[:n] += units * row * apart
+            jacobian[:n, :n] += np.outer(units * row, row / units)
+        return bool(kept.any())
 
     def _close_across_flow(
         self, turn: Turn, residual: Floats, jacobian: Floats, moved: Floats
