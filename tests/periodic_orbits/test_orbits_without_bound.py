@@ -183,3 +183,32 @@ def test_a_word_that_rounding_changes_where_a_cycle_shrinks():
     branch = ns.continue_orbit(latch, "h", (0.0, 1.0), direction="down", transient=10)
     assert branch["special_kind"].values.tolist() == ["pseudo_hopf"]
     assert branch["special_value"].values == pytest.approx([0.0], abs=1e-13)
+
+
+def servo(r: float) -> ns.System:
+    """A motor under PID control with a static friction of r times 8 mN m: it hunts."""
+    torque = "(-0.09*e - 1.2e-3*w - 0.35*z - 1e-5*w - 8e-3*sign(s))/2.3e-5"
+    return ns.System(
+        states=["e", "w", "z"], parameters={"r": r}, initial={"e": 0.05},
+        equations={"e": "w", "w": torque, "z": "e"},
+        surfaces={"s": ns.Surface("w", below="back", on="stick", above="forth", hold="r")},
+    )  # fmt: skip
+
+
+def test_slips_between_long_rests_do_not_vanish():
+    """Modes are linear: rest places go as r - 1, slips last the same, and rests go as 1/(r - 1)."""
+    branch = ns.continue_orbit(servo(1.6), "r", (1.01, 2.0), direction="down")
+    assert branch["special_kind"].values.tolist() == ["bound"]
+    r = branch["r"].values
+    legs = np.sort(branch["durations"].values, axis=1)
+    assert legs[:, :2] == pytest.approx(legs[0, 0], rel=1e-12)
+    # its integral of the error makes up for what is linear in r, at an error that goes as r - 1
+    rests = legs[:, 2] * (r - 1.0)
+    assert rests == pytest.approx(np.polyval(np.polyfit(r, rests, 1), r), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_rests_without_bound():
+    branch = ns.continue_orbit(servo(1.6), "r", (1.0, 2.0), direction="down")
+    assert branch.attrs["end_first"] == "unbounded"
+    assert branch["r"].values[0] == pytest.approx(1.0, abs=1e-4)

@@ -167,7 +167,9 @@ def _by_motion_beyond(
             start.kind = "section"  # nothing happens but that another number is followed
             return start, part_of(stretch, looked, point, along, "section", "")
         start.detail = _detail(stretch, name, start, point)
-        if _rests(stretch, start.equations.word) and not _rests(stretch, stretch.equations.word):
+        new, old = start.equations.word, stretch.equations.word
+        # a word with fewer legs has none that are about to vanish
+        if len(new) < len(old) or (_rests(stretch, new) and not _rests(stretch, old)):
             located = _located_behind(stretch, start, point)
             if located is not None:
                 return located, None
@@ -245,8 +247,8 @@ def _located_behind(
     if before is None:
         return None
     # the change lies half way back, as far as it is linear; rest can only end behind the last one
-    half = 0.5 * (before.value + start.value)
-    if what_of(name) != "rest" and (half - point.p) * (start.value - point.p) <= 0.0:
+    half, away = 0.5 * (before.value + start.value), start.value - point.p
+    if what_of(name) != "rest" and away != 0.0 and (half - point.p) * away <= 0.0:
         return None
     system, word = stretch.options.system, start.equations.word
     way_on = start.detail.rpartition("; ")[2]

@@ -39,6 +39,7 @@ REGULAR = ("graze", "corner", "slide", "enter", "rest")  # tests that are smooth
 _SOLVED = 1e-7  # scaled residual of a start where the equations are singular
 _ASTRAY = 1e-6  # of the size of an orbit that changes its word: as far from its guess as none is
 _GAIN = 1e4  # of a residual: a solution that far from its guess is not better than that
+_JUST_BEFORE = 1e-6  # of a test that is about to become positive
 _ROUNDED = 1e-12  # of the scale of an equation: derivatives that are zero
 _ZERO = 1e-6  # of the next singular value: one that is zero, but for rounding
 _OFF = 1e-3  # of the range of the parameter: away from orbits that cross a branch
@@ -313,7 +314,10 @@ def before_graze(
 
 
 def nearest_behind(stretch: BranchStretch, start: BranchStart) -> str:
-    """The test that was zero last, of those that are smooth where a stretch begins; "" for none."""
+    """The test that was zero last, of those that are smooth where a stretch begins; "" for none.
+
+    Or is so at once, where the stretch has been found to begin a little before.
+    """
     equations, (du, dp) = start.equations, start.direction
     tests = BranchTests(equations, stretch.options.tolerance, whole=False)
     size = float(np.sqrt(np.mean((du / scale_of(equations, start.unknowns)) ** 2))) + abs(dp)
@@ -329,9 +333,9 @@ def nearest_behind(stretch: BranchStretch, start: BranchStart) -> str:
     back = {
         name: value / (later[name] - value)
         for name, value in here.items()
-        if what_of(name) in REGULAR and name in later and later[name] > value > 0.0
+        if what_of(name) in REGULAR and name in later and later[name] > value > -_JUST_BEFORE
     }
-    return min(back, key=lambda name: back[name], default="")
+    return min(back, key=lambda name: abs(back[name]), default="")
 
 
 def _solved_start(

@@ -178,7 +178,9 @@ def floquet(equations: OrbitEquations, found: LegResults) -> Floquet:
     if equations.autonomous and n:
         # the motion along itself, which is left out already or has a multiplier of one
         values = np.delete(values, -1 if modulo_flow else int(np.argmin(np.abs(values - 1.0))))
-    poles = _poles(equations, factors.shares, len(values))
+    # where all perturbations are lost within a turn, no slow event makes any of them large
+    lost = values.size > 0 and not values.any()
+    poles = Poles(1.0, 1.0) if lost else _poles(equations, factors.shares, len(values))
     whole = leg_factors(equations, found) if modulo_flow else factors
     return Floquet(values, _log_determinant(equations, whole), poles)
 

@@ -28,11 +28,13 @@ _LONGER, _LARGER = 1.01, 1.5  # factors by which period and amplitude grow, at l
 _WITHIN = 2.0  # growth that is looked at, at most: with long steps fewer points are recent
 _FEWEST = 6  # points that tell it, of a growth that is large
 _FAR = 1e6  # times the amplitude of the first orbit
+_FAR_LONGER = 1e4  # times its period: legs take as much longer to be passed
 _ROUNDINGS = 1e3 * float(np.finfo(float).eps)  # of the parameter, as much as orbits leave of it
 _CLEAR = 1e3  # times that has it moved over all of them
 _STEP = 1e-3  # part of itself by which the period grows in a step while the parameter does not
-# of branches that may come to no other end: steps that become too short for what they look for
-_ENDS = ("steps", "smallest_step", "singular", "word_change")
+# of branches that may come to no other end: steps that become too short for what they look for, or
+# legs too long to be passed
+_ENDS = ("steps", "smallest_step", "singular", "word_change", "domain")
 _SHORT = ("smallest_step", "singular", "word_change")  # likewise: steps or cycles become short
 
 
@@ -42,6 +44,7 @@ class LastOrbits:
     def __init__(self, options: BranchOptions) -> None:
         self.options = options
         self._first = 0.0  # amplitude
+        self._shortest = np.inf  # period
         self._last: deque[tuple[float, float, float]] = deque(maxlen=2 * _WINDOW + 1)
         self._parts: deque[BranchPart] = deque(maxlen=_KEPT)
 
@@ -51,19 +54,23 @@ class LastOrbits:
         turn = part.looked.turn
         size = float(np.abs(turn.states).max())
         self._first = self._first or size
-        self._last.append((part.value, float(turn.instants[-1] - turn.instants[0]), size))
+        period = float(turn.instants[-1] - turn.instants[0])
+        self._shortest = min(self._shortest, period)
+        self._last.append((part.value, period, size))
 
     @property
     def are_far(self) -> bool:
         """Whether they have grown so much that nothing else can be expected.
 
-        In amplitude; or in period, where the parameter has come to its limit to rounding.
+        In amplitude; or in period, or where the parameter has come to its limit to rounding.
         """
         if self._last[-1][2] > _FAR * self._first and self._grows_for_ever(2, _LARGER):
             return True
         if not self._grows_for_ever(1, _LONGER):
             return False
         first, before, last = self._last[0], self._last[-2], self._last[-1]
+        if last[1] > _FAR_LONGER * self._shortest:
+            return True
         rounding = _ROUNDINGS * max(map(abs, self.options.bounds))
         # else cycles of one value of the parameter, of which rounding tells the way
         moved = abs(last[0] - first[0]) > _CLEAR * rounding

@@ -48,7 +48,7 @@ Integers = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
 # tests of a leg, or of the one behind it, that vanish where that leg does
-_OF_LEGS = ("leg", "rate", "short", "gain", "corner")
+_OF_LEGS = ("leg", "rate", "short", "gain", "corner", "slide", "enter")
 
 
 def _onto_surface(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
