@@ -7,6 +7,7 @@ where it would push. It is pulled taut for an instant once in a period besides: 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import nonsmooth as ns
 
@@ -86,3 +87,49 @@ def test_a_cable_that_is_just_not_pulled_taut(floor):
     found = dict(zip(back["special_kind"].values, back["special_value"].values, strict=True))
     assert found["grazing"] == pytest.approx(graze, rel=1e-10)
     assert start["word"].item() in back["word"].values
+
+
+@pytest.mark.slow
+def test_a_contact_that_only_pushes_is_left_from_either_side():
+    """The free response of three masses touches a gap where its amplitude is as wide."""
+    masses = np.diag([12.0, 8.0, 40.0])
+    springs = np.array([[9e4, 0, -9e4], [0, 7e4, -7e4], [-9e4, -7e4, 3.6e5]])
+    dampers = 1e-4 * springs + 0.2 * masses
+    frame = ns.Structure(masses, springs, damping=dampers, coordinates=["a", "b", "c"])
+    snubber = ns.structures.GapSpring("c", gap=4e-4, stiffness=3e6, damping=200.0, name="snub")
+    loads = [
+        ns.structures.Force("a", "0.01*Omega**2*cos(Omega*t)"),
+        ns.structures.Force("b", "0.006*Omega**2*cos(Omega*t + 0.7)"),
+    ]
+    machine = ns.structures.machine(
+        frame, contacts=[snubber], loads=loads, parameters={"Omega": 70.0}, period="2*pi/Omega"
+    )
+
+    def beyond(speed: float) -> float:
+        stiffness = springs - speed**2 * masses + 1j * speed * dampers
+        force = speed**2 * np.array([0.01, 0.006 * np.exp(0.7j), 0.0])
+        return abs(np.linalg.solve(stiffness, force)[2]) - 4e-4
+
+    branch = ns.continue_orbit(machine, "Omega", (30.0, 160.0))
+    grazes = branch["special_value"].values[branch["special_kind"].values == "grazing"]
+    for between in ((40.0, 43.0), (150.0, 152.0)):
+        exact = brentq(beyond, *between, xtol=1e-13)
+        assert np.abs(grazes - exact).min() < 1e-9
+    assert "sliding" not in branch["special_kind"].values
+
+
+@pytest.mark.slow
+def test_rest_leaves_nothing_of_what_a_slow_impact_makes_large():
+    """A seat on rigid stops, on which it rests once in a turn."""
+    hits = {"reset": {"v": "-0.3*v"}}
+    ride = ns.Mode(
+        {"z": "v", "v": "-(4000*z + 180*v)/75 - a*sin(3.2*pi*t)"},
+        exits=[
+            ns.Exit("0.04 - z", sticks="top", name="up", **hits),
+            ns.Exit("z + 0.05", sticks="bottom", name="down", **hits),
+        ],
+    )
+    seat = ns.System(states=["z", "v"], parameters={"a": 3.0}, period="1/1.6", modes={"ride": ride})
+    branch = ns.continue_orbit(seat, "a", (0.5, 15.0), direction="up", steps=4000)
+    assert branch.attrs["end_last"] == "bound"
+    assert "no special point was found" not in branch.attrs["message"]
