@@ -415,15 +415,18 @@ def test_a_closed_branch_of_cycles_without_events_ends_where_it_began():
     assert float(radius[-1]) == pytest.approx(1.5, abs=1e-10)
 
 
-def test_a_state_that_may_begin_anywhere_fixes_no_curve():
-    """A damper without a spring keeps its place."""
+def test_a_state_that_may_begin_anywhere_keeps_its_place():
+    """A damper without a spring keeps u + (y - x)/5 what it is."""
     free = ns.System(
         states=["x", "v", "y", "u"], parameters={"F": 0.1}, period="2*pi",
         equations={"x": "v", "v": "F*cos(t) - x - 0.1*v", "y": "u", "u": "-0.2*(u - v)"},
     )  # fmt: skip
-    branch = ns.continue_orbit(free, "F", (0.0, 0.5))
-    assert branch.attrs["end_first"] == branch.attrs["end_last"] == "singular"
-    assert "a state may be anywhere" in branch.attrs["message"]
+    branch = ns.continue_orbit(free, "F", (0.0, 0.5), initial={"y": 0.3}, transient=0)
+    assert branch.attrs["end_first"] == branch.attrs["end_last"] == "bound"
+    kept = branch["u"].values + 0.2 * (branch["y"].values - branch["x"].values)
+    np.testing.assert_allclose(kept, kept[0], atol=1e-12)
+    np.testing.assert_allclose(branch["x"], 0.0, atol=1e-12)  # F cos(t) is met by 0.1 v
+    np.testing.assert_allclose(branch["v"], 10.0 * branch["F"], atol=1e-11)
 
 
 def test_free_oscillations_that_repeat_with_the_period_fix_no_orbit():

@@ -168,8 +168,9 @@ def _by_motion_beyond(
             return start, part_of(stretch, looked, point, along, "section", "")
         start.detail = _detail(stretch, name, start, point)
         new, old = start.equations.word, stretch.equations.word
+        begins_to_rest = _rests(stretch, new) and not _rests(stretch, old)
         # a word with fewer legs has none that are about to vanish
-        if len(new) < len(old) or (_rests(stretch, new) and not _rests(stretch, old)):
+        if begins_to_rest or len(new) < len(old):
             located = _located_behind(stretch, start, point)
             if located is not None:
                 return located, None

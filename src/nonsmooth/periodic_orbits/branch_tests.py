@@ -68,9 +68,8 @@ _OF_WORD = (
     "graze", "corner", "short", "leg", "rate", "gain", "over", "slide", "enter", "shrink",
     "rest", "border", "motion",
 )  # fmt: skip
-# part of the turn, or of its own time: a contact of this duration counts as a graze. It is as long
-# as the root of the distance from the graze, so this is 1e-10 away; shorter ones make Newton's
-# matrix singular
+# part of the turn: a contact of this duration counts as a graze. It is as long as the root of the
+# distance from the graze, so this is 1e-10 away; shorter ones make Newton's matrix singular
 _SHORT = 1e-5
 # likewise of an excursion from a surface on which motion slides: it leaves and comes back with the
 # square of its duration as rate, so an instant is known to rounding over that
@@ -181,27 +180,11 @@ class Looked:
         return min(_MOST_ROUNDING, _ROUNDING / max(_from_one(self.multipliers), 1e-300))
 
 
-class _Short(NamedTuple):
-    """When an excursion counts as one that is about to vanish."""
-
-    limit: float  # part of the turn
-    power: int  # of its duration, as which the speed goes with which it ends
-
-    def of(self, duration: float, length: float, speed: float) -> float:
-        """The part of a turn that it lasts, or the part of its own time if that is more.
-
-        A slip that comes between long rests is short beside the turn and does not vanish. One that
-        does comes to its end with a speed that goes as a power of its duration beside that time.
-        """
-        own = np.copysign(abs(2.0 * speed * duration) ** (1.0 / (self.power + 1)), duration)
-        return max(duration / length, float(own)) - self.limit
-
-
-def _shortest(wiring: Wiring, mode: int, k: int, word: Word) -> _Short:
-    """What counts as short for an excursion in leg k."""
+def _shortest(wiring: Wiring, mode: int, k: int, word: Word) -> float:
+    """Part of the turn below which leg k counts as an excursion that is about to vanish."""
     last = k - 2 if k == 0 and not word.closes_at_event and len(word) > 2 else k - 1
     kind = kind_of_excursion(wiring, word.modes[last % len(word)], mode)
-    return _Short(_SHORT_OF_SLIDE, 2) if kind == "adding_sliding" else _Short(_SHORT, 1)
+    return _SHORT_OF_SLIDE if kind == "adding_sliding" else _SHORT
 
 
 class _Beside(NamedTuple):
@@ -411,10 +394,11 @@ class BranchTests:
             if self._grazing[k]:
                 whole = duration + (float(turn.durations[-1]) if cut else 0.0)
                 speed = abs(float(found.guard_rate[k])) / float(sizes.value[k, e])
-                tests[f"short:{k}"] = self._short[k].of(whole, length, speed)
+                # a slip between long rests is short beside the turn, and its guard is large in it
+                tests[f"short:{k}"] = max(whole / length, speed * whole) - self._short[k]
             if self._corners[k]:
                 both = float(turn.durations[k : k + 2].sum())
-                tests[f"short:{k}"] = both / length - self._short[k].limit
+                tests[f"short:{k}"] = both / length - self._short[k]
             if cut or not self._grazing[k]:
                 tests[f"leg:{k}"] = duration / length
             size = float(sizes.value[k, e])

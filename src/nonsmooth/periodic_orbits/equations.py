@@ -38,6 +38,7 @@ class Turn:
 
 
 _CONSERVED = 1e-12  # singular value of the equations, in units that balance them, that is none
+_WITHIN = 0.3819  # of a turn, no whole number of free oscillations
 _KEPT = 1e-9  # change of a sum of states that is none
 _STEADY = 1e-9  # derivative of the change over a turn, and change beside the state, that are none
 
@@ -255,7 +256,7 @@ class OrbitEquations:
         """Let sums of states that the flow conserves stay what they are at the origin; if any are.
 
         As the force of a spring in series with a slider that sticks, beside its stretch. Left null
-        vectors of the equations are such sums where they are those of half a turn too.
+        vectors of the equations are such sums where they are those of a part of the turn too.
         """
         n = self.legs.n
         flow = jacobian[:n, :n] + np.eye(n)
@@ -265,13 +266,16 @@ class OrbitEquations:
         rows = left[:, sizes <= _CONSERVED * max(1.0, sizes[0])].T
         if not rows.size:
             return False
-        word = Word(self.word.modes, ((),))
-        half = np.array([0.5 * (turn.instants[0] + turn.instants[-1])])
-        found = self.legs.follow_each(word, turn.states, turn.instants[:1], half).flow[0, :n].T
+        word, begin = Word(self.word.modes, ((),)), turn.instants[:1]
+        within = begin + _WITHIN * (turn.instants[-1:] - begin)
+        found = self.legs.follow_each(word, turn.states, begin, within).flow[0, :n].T
         changed = rows @ (found * units / units[:, None]) - rows
         moves = np.abs(rows @ (moved[:n] / units[:, None])).max(axis=1, initial=0.0)
         size = np.abs(moved[:n] / units[:, None]).max(initial=0.0)
+        open_ = np.abs(rows @ (residual[:n] / units))
+        states = np.abs(np.vstack([turn.states, self.origin, residual[:n]]) / units).max()
         kept = (np.abs(changed).max(axis=1) <= _KEPT) & (moves <= _KEPT * size)
+        kept &= open_ <= _KEPT * states
         for row in rows[kept]:
             apart = float(row @ ((turn.states[0] - self.origin) / units))
             residual[:n] += units * row * apart
