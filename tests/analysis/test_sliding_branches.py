@@ -240,6 +240,7 @@ def test_a_follower_lifts_off_its_cam(phase, low):
             assert ("air" in word) == (speed > LIFT_OFF)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "between"), [("Om", (1.0, 120.0)), ("mu1", (0.0, 0.01))])
 def test_a_slip_that_becomes_short_ends_at_the_border_of_what_sticks(name, between):
     """A disc on a shaft, driven by friction that falls with the slip: clutch judder.

@@ -144,6 +144,7 @@ def test_multipliers_do_not_depend_on_units(units):
     np.testing.assert_allclose(other["multipliers"].values, plain["multipliers"].values, rtol=1e-12)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("direction", ["down", "both"])
 @pytest.mark.parametrize(("sign", "w"), [("+", 0.85), ("-", 1.5)])
 def test_of_a_system_at_rest_on_a_surface(sign, w, direction):

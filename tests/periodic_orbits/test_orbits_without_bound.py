@@ -154,6 +154,7 @@ def harvest(lo: float) -> ns.System:
     )
 
 
+@pytest.mark.slow
 def test_thresholds_that_meet_end_a_branch_soon():
     """Beyond, the motion would switch without end, and a log of it would fill the memory."""
     branch = ns.continue_orbit(
@@ -169,6 +170,7 @@ def test_a_motion_that_passes_events_without_end_is_no_guess(monkeypatch):
     assert "has passed 10,000 events at t = " in orbit.attrs["message"]
 
 
+@pytest.mark.slow
 def test_a_word_that_rounding_changes_where_a_cycle_shrinks():
     """A relay with hysteresis h and an overdamped mass: period and speeds go as the root of h."""
     latch = ns.System(

@@ -408,6 +408,7 @@ def stiff_stops() -> System:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_symmetry_breaks_among_short_contacts():
     """Half a turn followed by x -> -x has a multiplier of -1 there."""
     stops = stiff_stops()

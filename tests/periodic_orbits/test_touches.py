@@ -33,7 +33,7 @@ def branch(kind: str, phase: float):
     )
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("phase", [0.0, 0.1, 0.5])
 @pytest.mark.parametrize("kind", ["wall", "walls", "soft", "soft walls"])
 def test_special_points_do_not_depend_on_where_the_touch_is(kind, phase):
