@@ -70,9 +70,10 @@ def with_contact(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[
         place = legs.closer_minima(word.modes[k], turn.states[k], begin, end).places[g]
     instant = float(turn.instants[k] + place)
     mode, target = word.modes[k], int(wiring.exits["target"][word.modes[k], g])
-    if target >= 0 and np.isnan(instant):
+    is_cut = k == 0 and not (equations.autonomous or word.closes_at_event)
+    if target >= 0 and is_cut and np.isnan(instant):
         return _at_section(equations, turn, g)
-    if target < 0:
+    if target < 0 or np.isnan(instant):
         return []
     changes, onto = [], onto_beyond(wiring, mode, g)
     for path in [(g, onto), (g,)] if onto >= 0 else [(g,)]:
