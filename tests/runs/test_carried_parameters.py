@@ -70,3 +70,21 @@ def test_names_of_results_are_no_parameters():
     )
     orbit = ns.find_orbit(pendulum)
     assert ns.simulate(pendulum, orbit, periods=1).attrs["status"] == "completed"
+
+
+def test_a_run_from_an_orbit_begins_in_the_mode_of_the_orbit():
+    """Behind its kick a pendulum clock is at x = 0, but for rounding on either side of it."""
+    flow = {"x": "v", "v": "-x - 2*z*v"}
+    kick = ns.Exit("-x", to="right", reset={"v": "v + 0.05"}, name="tick")
+    clock = ns.System(
+        states=["x", "v"],
+        parameters={"z": 0.02},
+        modes={
+            "left": ns.Mode(flow, exits=[kick]),
+            "right": ns.Mode(flow, exits=[ns.Exit("x", to="left", name="down")]),
+        },
+    )
+    for z in (0.01, 0.02, 0.03, 0.04, 0.05):
+        orbit = ns.find_orbit(clock, {"x": -0.1, "v": 0.3}, mode="left", parameters={"z": z})
+        run = ns.simulate(clock, orbit, t_end=1.0, parameters={"z": z})
+        assert run["event_name"].values.tolist() == ["start"]

@@ -205,7 +205,14 @@ def _from_point(
     names = data["mode"].attrs.get("flag_meanings", "").split() if "mode" in data else []
     if mode is None and names == list(system.mode_names):
         return Start(state, _instant(tables, time), (int(data["mode"]),))
-    return Start(state, _instant(tables, time), mode_numbers(system, mode))
+    modes = mode_numbers(system, mode)
+    if mode is None and "leg_mode" in data:
+        # an orbit begins just behind an event, and rounding may put it on the other side of it
+        names = data["leg_mode"].attrs.get("flag_meanings", "").split()
+        first = int(np.ravel(data["leg_mode"].values)[0])
+        if names == list(system.mode_names) and first >= 0:
+            modes = (first, *modes)
+    return Start(state, _instant(tables, time), modes)
 
 
 def _from_run(
