@@ -53,8 +53,8 @@ def explaining_gains(
 ) -> dict[str, float]:
     """Gains with which a fit explains its records, by the names of the channels.
 
-    Empty where no gains do. ``begin`` makes the equations of
-    other records, and ``search`` looks for their minimum from one start.
+    Empty where no gains do. ``begin`` makes the equations of other records, and ``search`` looks
+    for their minimum from one start.
     """
     tried = _with_gains(records, failed.shooting, initial)
     if tried is None:

@@ -50,7 +50,8 @@ def read_csv(
 
     Columns are found by their headers, with or without units in brackets behind the name, or by
     number. Lines above the header are skipped; commas, semicolons, tabs, bars or spaces part the
-    columns; a decimal comma is noticed where no points are about. Nothing in a file is run.
+    columns; a decimal comma is noticed where no points are about. Columns of text, such as stamps
+    and comments, are left alone. Nothing in a file is run.
 
     Parameters
     ----------

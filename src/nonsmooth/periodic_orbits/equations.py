@@ -266,16 +266,18 @@ class OrbitEquations:
         rows = left[:, sizes <= _CONSERVED * max(1.0, sizes[0])].T
         if not rows.size:
             return False
-        word, begin = Word(self.word.modes, ((),)), turn.instants[:1]
-        within = begin + _WITHIN * (turn.instants[-1:] - begin)
-        found = self.legs.follow_each(word, turn.states, begin, within).flow[0, :n].T
+        # with a leg of no time, for results of one leg stay
+        word, begins = Word(self.word.modes * 2, ((),) * 2), np.full(2, turn.instants[0])
+        ends = begins + np.array([_WITHIN, 0.0]) * (turn.instants[-1] - turn.instants[0])
+        states = np.tile(turn.states, (2, 1))
+        found = self.legs.follow_each(word, states, begins, ends).flow[0, :n].T
         changed = rows @ (found * units / units[:, None]) - rows
         moves = np.abs(rows @ (moved[:n] / units[:, None])).max(axis=1, initial=0.0)
         size = np.abs(moved[:n] / units[:, None]).max(initial=0.0)
         open_ = np.abs(rows @ (residual[:n] / units))
-        states = np.abs(np.vstack([turn.states, self.origin, residual[:n]]) / units).max()
+        largest = np.abs(np.vstack([turn.states, self.origin, residual[:n]]) / units).max()
         kept = (np.abs(changed).max(axis=1) <= _KEPT) & (moves <= _KEPT * size)
-        kept &= open_ <= _KEPT * states
+        kept &= open_ <= _KEPT * largest
         for row in rows[kept]:
             apart = float(row @ ((turn.states[0] - self.origin) / units))
             residual[:n] += units * row * apart

@@ -106,9 +106,8 @@ def _at_section(equations: OrbitEquations, turn: Turn, g: int) -> list[Change]:
     if int(wiring.exits["target"][mode, g]) == mode:
         events = _events_at_section(equations, turn, g)
         return [Change("grazing", guess, grows) for guess, grows in events]
-    path: tuple[int, ...] = (g,)
     at = float(turn.instants[0])
-    path = _to_where_it_is(equations, mode, path, turn.states[0], at)
+    path = _to_where_it_is(equations, mode, (g,), turn.states[0], at)
     away = modes_along(wiring, mode, path)[-1]
     duration = OPENED * float(turn.instants[-1] - turn.instants[0])
     kind = kind_of_excursion(wiring, mode, away)
