@@ -167,16 +167,22 @@ class Mark(NamedTuple):
 
 
 class _Asked(Mapping[str, float]):
-    """Values of tests; those that are functions are called when they are asked for, once."""
+    """Values of tests; those that are functions are called when they are asked for.
+
+    That is done once, but again where they were nan: what is no number yet may become one.
+    """
 
     def __init__(self, values: dict[str, float | Callable[[], float]]) -> None:
         self._values = values
 
     def __getitem__(self, name: str) -> float:
         value = self._values[name]
-        if callable(value):
-            value = self._values[name] = float(value())
-        return value
+        if not callable(value):
+            return value
+        told = float(value())
+        if not math.isnan(told):
+            self._values[name] = told
+        return told
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._values)

@@ -162,7 +162,7 @@ class Tangent(Record):
 
     columns: Floats  # (C, N) at the anchor: by each initial state, then by each parameter
     now: Floats  # (C, N) at the current point
-    shifts: Floats
+    shifts: Floats  # (2, C) how much earlier an event comes, and its last exit beside the first
     velocity: Floats
     dual: Rows  # (registers, blocks of C, ORDER + 1) series of the columns of a Taylor step
     ready: Integers
@@ -271,7 +271,7 @@ def allocate_columns(
     n_measured = count if measures else 0
     made = zeros(
         Tangent.struct,
-        columns=(count, big_n), now=(count, big_n), shifts=(count,),
+        columns=(count, big_n), now=(count, big_n), shifts=(2, count),
         velocity=(big_n if count else 0,), dual=(registers, -(-count // LANES), ORDER + 1),
         piece=(count, big_n), series=(registers,),
         growth=(n_measured,), grown=(n_measured,), tried=(n_measured,), mirror=(n_measured,),

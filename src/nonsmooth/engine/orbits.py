@@ -63,6 +63,7 @@ class LegResults(Record):
     guard_rate: Floats  # (L,) its rate
     others: Floats  # (L, e) all guards of the mode at the end
     passed: Floats  # (L, PATH_LENGTH) guard of each exit, where it is passed
+    passed_rate: Floats  # (L, PATH_LENGTH) its rate, where a later one is met by itself; else 0
     spare: Floats
 
 
@@ -105,7 +106,8 @@ def allocate_leg_results(sizes: Sizes, n_rates: int, count: int) -> LegResults:
         starts=(count, n), ends=(count, n), nexts=(count, n), start_rates=(count, n),
         end_rates=(count, n), flow=(count, n + n_rates, n), jump=(count, n + n_rates, n),
         jump_rate=(count, n), guard=(count,), guard_row=(count, n + n_rates), guard_rate=(count,),
-        others=(count, sizes.exits), passed=(count, PATH_LENGTH), spare=(sizes.augmented,),
+        others=(count, sizes.exits), passed=(count, PATH_LENGTH),
+        passed_rate=(count, PATH_LENGTH), spare=(sizes.augmented,),
     )  # fmt: skip
     return LegResults(**made)
 

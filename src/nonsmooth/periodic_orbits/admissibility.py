@@ -68,6 +68,8 @@ class _Expected(NamedTuple):
     instants: Floats
     allowed: Floats
     states: Floats  # where each leg begins
+    rates: Floats  # and their rates there
+    tolerance: float
 
     def leads_there(self, lanes: _Lanes, j: int, k: int) -> bool:
         """Whether lane j has come to the begin of the leg behind leg k, by whatever exits.
@@ -78,8 +80,9 @@ class _Expected(NamedTuple):
         if lanes.anchors.place["mode"][j] != self.equations.word.modes[following]:
             return False
         apart = np.abs(lanes.anchors.state[j] - self.states[following])
-        size = np.abs(self.states).max(axis=0)
-        return bool(np.all((apart <= _SAME * size) | self.equations.drifting))
+        allowed = _SAME * np.abs(self.states).max(axis=0)
+        allowed += np.abs(self.rates[following]) * self.allowed[k]
+        return bool(np.all((apart <= allowed) | self.equations.drifting))
 
 
 def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) -> Admissibility:
@@ -103,7 +106,7 @@ def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) ->
         middles = _middles(equations, turn, instants)
     except LegError as fault:
         return Admissibility(False, str(fault))
-    allowed = _allowed(equations, turn, middles)
+    allowed, rates = _allowed(equations, turn, middles)
     count = word.n_events
     if not word.closes_at_event and turn.durations[-1] > turn.durations[0]:
         # the stay before the first event began in the turn before
@@ -113,7 +116,9 @@ def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) ->
     _run(legs, lanes, word.mode_array[:count].copy(), end, tolerance)
     hidden = _hidden(lanes, turn)
     passed = np.flatnonzero(~hidden)
-    expected = _Expected(equations, turn.instants[1 : 1 + count].copy(), allowed, turn.states)
+    expected = _Expected(
+        equations, turn.instants[1 : 1 + count].copy(), allowed, turn.states, rates, tolerance
+    )
     lanes = _some(lanes, passed)
     found = _compare(expected, lanes, passed, 1)
     expected.instants[0] += length
@@ -141,8 +146,10 @@ def _check_without_events(equations: OrbitEquations, turn: Turn, tolerance: floa
     return _instead(equations, lanes, 0, 0, row)
 
 
-def _allowed(equations: OrbitEquations, turn: Turn, middles: Floats) -> Floats:
+def _allowed(equations: OrbitEquations, turn: Turn, middles: Floats) -> tuple[Floats, Floats]:
     """How far the engine may be from the instant of each event: rounding over the guard's rate.
+
+    And the rates of the states where legs begin.
 
     Rounding is that of states as large as they are along the orbit: where a position is a guard, it
     is zero itself at the event.
@@ -154,7 +161,8 @@ def _allowed(equations: OrbitEquations, turn: Turn, middles: Floats) -> Floats:
     terms = np.abs(found.guard_row[:, :n]) @ largest
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = _ROUNDING * (terms + np.abs(found.guard)) / np.abs(found.guard_rate)
-    return _LATE * length + np.nan_to_num(slow, nan=0.0, posinf=1e-3 * length)
+    allowed = _LATE * length + np.nan_to_num(slow, nan=0.0, posinf=1e-3 * length)
+    return allowed, found.start_rates.copy()
 
 
 def _middles(equations: OrbitEquations, turn: Turn, instants: Floats) -> Floats:
@@ -263,10 +271,34 @@ def _compare_one(expected: _Expected, lanes: _Lanes, j: int, k: int) -> Admissib
         event = lanes.records.events[j, row]
         path = path_of_bits(int(event["path"]), int(event["passes"]))
         late = abs(_instant(equations, lanes, j, row) - float(expected.instants[k]))
-        at_once = len(path or ()) > 1 and expected.leads_there(lanes, j, k)
-        if (path == equations.word.paths[k] or at_once) and late <= expected.allowed[k]:
+        wanted = equations.word.paths[k]
+        if late <= expected.allowed[k] and (
+            path == wanted
+            or (len(path or ()) > 1 and expected.leads_there(lanes, j, k))
+            or (len(path or ()) < len(wanted) and _one_by_one(expected, lanes, j, k))
+        ):
             return Admissibility(True)
     return _instead(equations, lanes, j, k, row)
+
+
+def _one_by_one(expected: _Expected, lanes: _Lanes, j: int, k: int) -> bool:
+    """Whether lane j comes behind leg k by a few events in what is allowed of its instant.
+
+    Guards that are met at one instant, as those of equal machines, part by rounding.
+    """
+    legs, following = expected.equations.legs, lanes
+    end = float(expected.instants[k]) + float(expected.allowed[k])
+    for _ in expected.equations.word.paths[k][1:]:
+        here = following.anchors
+        following = _start(legs, here.state[j : j + 1], np.array([end]), _ROWS)
+        following.anchors.place[0], following.anchors.order[0] = here.place[j], here.order[j]
+        j = 0
+        _run(legs, following, np.array([GOES_ON]), end, expected.tolerance)
+        if expected.leads_there(following, j, k):
+            return True
+        if following.records.counters["events"][0] == 0:
+            break
+    return False
 
 
 def _instead(equations: OrbitEquations, lanes: _Lanes, j: int, k: int, row: int) -> Admissibility:

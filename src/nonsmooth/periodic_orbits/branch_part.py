@@ -22,6 +22,7 @@ __all__ = [
     "ending_of_orbits",
     "is_critical",
     "kind_of",
+    "kind_of_crossing",
     "part_of",
 ]
 
@@ -144,6 +145,12 @@ def _at_touch(stretch: BranchStretch, looked: Looked, *, unbounded: bool) -> Flo
     if values.size and not abs(values[0]) <= UNBOUNDED:  # no number where there is no rate at all
         values[0] = np.inf
     return looked.multipliers._replace(multipliers=values)
+
+
+def kind_of_crossing(looked: Looked) -> str:
+    """What happens where multipliers are on the unit circle; "" where none is."""
+    kinds = ("flip", "torus", "branch_point")
+    return next((kind for kind in kinds if is_critical(looked, kind)), "")
 
 
 def is_critical(looked: Looked, kind: str) -> bool:

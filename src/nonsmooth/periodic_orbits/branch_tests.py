@@ -256,9 +256,10 @@ class BranchTests:
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
         at_rest = bool(equations.word.n_events) and self._is_at_zero(turn, found)
         # guards that vanish all along tell of rounding
-        kept, faded = ({}, set()) if at_rest else self._of_word(turn, found, beside)
+        near = _from_one(multipliers)
+        kept, faded = ({}, set()) if at_rest else self._of_word(turn, found, beside, near)
         image = reflection(equations, turn)
-        if image is not None and image.later == 0.5 and _from_one(multipliers) < _NEARLY_ONE:
+        if image is not None and image.later == 0.5 and near < _NEARLY_ONE:
             kept = self._alike(kept)
         tests |= kept
         other = None
@@ -369,11 +370,12 @@ class BranchTests:
             self.followed = (k, g, float(places[g]) / duration)
 
     def _of_word(
-        self, turn: Turn, found: LegResults, beside: _Beside
+        self, turn: Turn, found: LegResults, beside: _Beside, near: float
     ) -> tuple[dict[str, float], set[str]]:
         """What keeps the word valid, positive where it is, from the results of its legs.
 
-        And the names of those of which only rounding is left, whose sign says nothing.
+        And the names of those of which only rounding is left, whose sign says nothing. ``near`` is
+        the distance of the nearest multiplier from 1.
         """
         equations, word = self.equations, self.equations.word
         length = float(turn.instants[-1] - turn.instants[0])
@@ -423,7 +425,7 @@ class BranchTests:
             tests["leg:last"] = float(turn.durations[-1]) / length
         if equations.is_smooth_cycle:
             tests["shrink"] = equations.forwards(turn, found)
-        return self._with_margins(tests, sizes)
+        return self._with_margins(tests, sizes, near)
 
     def _is_equilibrium(self, turn: Turn) -> bool:
         """Whether no state changes in a turn without events."""
@@ -446,13 +448,16 @@ class BranchTests:
         return np.flatnonzero(still & np.all(np.isfinite(guards), axis=0)).tolist()
 
     def _with_margins(
-        self, tests: dict[str, float], sizes: _GuardSizes
+        self, tests: dict[str, float], sizes: _GuardSizes, near: float
     ) -> tuple[dict[str, float], set[str]]:
         """Tests of guards change their sign where they come below what rounding leaves of zero.
 
         A guard may fade along a branch, as one of a motion that decays; its sign is rounding then.
+        Guards that are met at one instant all along, as those of equal machines, part by rounding
+        that grows where an orbit has a multiplier near 1.
         """
         relative, faded = sizes.rounding / sizes.value, set()
+        word = self.equations.word
         for name in tests:
             kind, *numbers = name.split(":")
             if kind in _OF_GUARDS:
@@ -465,6 +470,9 @@ class BranchTests:
                 # where it comes below, which is at -margin, it does say something
                 if abs(tests[name]) <= 0.5 * margin:
                     faded.add(name)
+                elif kind in ("gain", "corner") and len(word.paths[k]) > 1:
+                    apart = min(margin / max(near, _EPS), _MOST_ROUNDING)
+                    tests[name] = 0.0 if abs(tests[name]) <= apart else tests[name]
                 tests[name] += margin
         self._clear |= {name for name, value in tests.items() if abs(value) > _ZERO}
         return {name: value for name, value in tests.items() if name in self._clear}, faded

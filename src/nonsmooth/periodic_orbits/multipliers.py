@@ -71,7 +71,8 @@ class Factors(NamedTuple):
 
     flow: Floats  # (L, n, n)
     events: Floats  # (L, n, n)
-    shares: Floats  # (L,) rate of the guard at each event over its size together with the kick
+    shares: Floats  # (L,) rate of the guard at each event over its size together with the kick;
+    # the product of these where several guards are met at one instant
     kicks: Floats  # (L, n) change of the flow at each event
     guards: Floats  # (L, n) derivatives of its guard by the state
 
@@ -104,10 +105,19 @@ def leg_factors(
     kicking = at_event & (kicks > _KICK * sizes)
     rates = -found.guard_rate
     shares = np.where(kicking, rates / np.hypot(rates, np.where(kicking, kicks, 1.0)), 1.0)
+    shares *= _shares_of_later(found, np.where(kicking, kicks, 0.0))
     return Factors(
         flow[:, stays][:, :, stays], events[:, stays][:, :, stays], shares,
         np.where(kicking[:, None], jumps, 0.0)[:, stays], found.guard_row[:, :n][:, stays],
     )  # fmt: skip
+
+
+def _shares_of_later(found: LegResults, kicks: Floats) -> Floats:
+    """The shares of further exits of one instant that are met by themselves; kicks as the first."""
+    met = (found.passed_rate != 0.0) & (kicks[:, None] > 0.0)
+    rates = np.where(met, -found.passed_rate, 1.0)
+    each = np.where(met, rates / np.hypot(rates, np.where(met, kicks[:, None], 1.0)), 1.0)
+    return np.asarray(each.prod(axis=1))
 
 
 def _fastest(equations: OrbitEquations, found: LegResults) -> Integers:

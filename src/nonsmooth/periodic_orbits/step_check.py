@@ -17,7 +17,7 @@ from nonsmooth.periodic_orbits.branch_part import is_critical
 from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word
 from nonsmooth.periodic_orbits.legs import LegError
 from nonsmooth.periodic_orbits.multipliers import UNBOUNDED, Floquet
-from nonsmooth.periodic_orbits.stretch import BranchStart, BranchStretch
+from nonsmooth.periodic_orbits.stretch import MODULUS, BranchStart, BranchStretch
 
 __all__ = ["VERTICAL", "StepCheck"]
 
@@ -28,6 +28,9 @@ _NEAR_AT_START = 1e-3  # the same where the branch begins, perhaps at a special 
 _STILL = 1e-6  # part of a slope of the parameter by the arclength that is none
 VERTICAL = 1e-10  # of the range by the arclength: slopes that rounding makes along a family
 _AT_ONCE = 1e-6  # arclength between changes of the word that are one
+_SEVERAL_POLES = (
+    1e-20  # product of rates over kicks, of which rounding leaves more where one is zero
+)
 _FOLDS = ("fold", "branch_point")
 
 
@@ -64,6 +67,9 @@ class StepCheck:
             return False  # a long step has come to a part of the branch that was passed before
         low, high = self._stretch.options.bounds
         if not is_explained(points[: end + 1], looked[: end + 1], high - low):
+            if not self._stretch.one_by_one and _several_cross(looked[0], looked[end]):
+                self._stretch.one_by_one = True
+                return False
             if length > least:
                 return False
             self.unexplained.append(points[end].p)
@@ -124,7 +130,14 @@ def is_explained(points: Sequence[Point], looked: Sequence[Looked], width: float
     before, after = _outside(first, near), _outside(last, _NEAR)
     if before is None or after is None:
         return True
-    return abs(after - before) <= sum(count.values()) + count["torus"]
+    alone = sum(point.special.startswith(MODULUS) for point in points[1:])
+    return abs(after - before) <= sum(count.values()) + count["torus"] + alone
+
+
+def _several_cross(first: Looked, last: Looked) -> bool:
+    """Whether an even number of multipliers more are outside the unit circle at one of the ends."""
+    before, after = _outside(first.multipliers, _NEAR), _outside(last.multipliers, _NEAR)
+    return before is not None and after is not None and (after - before) % 2 == 0 != after - before
 
 
 def _turns_are_told(points: Sequence[Point], width: float) -> bool:
@@ -141,10 +154,15 @@ def _turns_are_told(points: Sequence[Point], width: float) -> bool:
 
 
 def _side(multipliers: Floquet, critical: float, near: float) -> float:
-    """Sign of the determinant that vanishes with a multiplier of that value; 0 if it is at it."""
+    """Sign of the determinant that vanishes with a multiplier of that value; 0 if it is at it.
+
+    And 0 where several guards are only touched at one instant, as by equal machines.
+    """
     values = multipliers.multipliers
     apart = values - critical
     if not values.size or not np.all(np.isfinite(values)) or np.abs(apart).min() <= near:
+        return 0.0
+    if abs(multipliers.poles.determinant) <= _SEVERAL_POLES:
         return 0.0
     # of directions: the product of many large numbers may overflow
     product = float(np.prod(apart / np.abs(apart)).real)

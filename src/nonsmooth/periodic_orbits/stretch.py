@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -23,14 +24,25 @@ from nonsmooth.periodic_orbits.cycle_plane import spread_of, spread_of_cycle
 from nonsmooth.periodic_orbits.cycle_size import scale_of_cycle, size_of_cycle
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
+from nonsmooth.periodic_orbits.multipliers import UNBOUNDED
 from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.trail import Trail
 from nonsmooth.system.system import System
 
-__all__ = ["BranchOptions", "BranchStart", "BranchStretch", "scale_along", "spread_along"]
+__all__ = [
+    "MODULUS",
+    "BranchOptions",
+    "BranchStart",
+    "BranchStretch",
+    "scale_along",
+    "spread_along",
+]
 
 Floats = npt.NDArray[np.float64]
 
+# test of one multiplier by its size: several that cross the unit circle at once may leave the signs
+# of all products as they are
+MODULUS = "modulus"
 _OUTGROWN = 2.0  # times the size at the start of a stretch
 _FARTHEST = 2.0  # times the largest step that a cycle may change by both of its measures
 _ALWAYS = ("leg", "short")  # changes of the word behind which its equations mean nothing
@@ -88,6 +100,8 @@ class BranchStretch:
         self.scale = np.ones(equations.size)
         self._is_small = False  # a cycle beside the states that it lies at
         self._values = legs.values.copy()
+        # whether the sizes of multipliers are looked at, the largest, the second largest and so on
+        self.one_by_one = False
         self.place = list(legs.system.parameters).index(options.parameter)
 
     def set_parameter(self, p: float) -> None:
@@ -108,16 +122,21 @@ class BranchStretch:
         self.set_parameter(point.p)
         return self.tests.look(point.u)
 
-    def asked(self, point: Point) -> Mapping[str, float]:
+    def asked(self, point: Point) -> Mapping[str, float | Callable[[], float]]:
         """Tests of a point; without most of those of the word where it need not be a motion."""
-        tests = self.look(point).tests
-        if not self.options.inadmissible:
-            return tests
-        return {
+        looked = self.look(point)
+        tests: dict[str, float | Callable[[], float]] = {
             name: value
-            for name, value in tests.items()
-            if what_of(name) in _ALWAYS or not is_of_word(name)
+            for name, value in looked.tests.items()
+            if not self.options.inadmissible or what_of(name) in _ALWAYS or not is_of_word(name)
         }
+        sizes = np.sort(np.abs(looked.multipliers.multipliers))[::-1]
+        tests |= {f"{MODULUS}:{k}": partial(self._outside, size) for k, size in enumerate(sizes)}
+        return tests
+
+    def _outside(self, size: float) -> float:
+        """How far outside the unit circle a multiplier is; nan while nobody has to know."""
+        return float(size) - 1.0 if self.one_by_one and size <= UNBOUNDED else np.nan
 
     def remember(self, point: Point) -> None:
         """A point becomes one of those where the branch has been."""

@@ -24,6 +24,7 @@ from nonsmooth.periodic_orbits.branch_part import (
     ending_of_orbits,
     is_critical,
     kind_of,
+    kind_of_crossing,
     part_of,
 )
 from nonsmooth.periodic_orbits.branch_start import is_crossed, tangent_at
@@ -45,6 +46,7 @@ from nonsmooth.periodic_orbits.other_rebounds import past_rebounds
 from nonsmooth.periodic_orbits.passing_strobes import orbits_at_strobes
 from nonsmooth.periodic_orbits.step_check import VERTICAL, StepCheck
 from nonsmooth.periodic_orbits.stretch import (
+    MODULUS,
     BranchOptions,
     BranchStart,
     BranchStretch,
@@ -115,7 +117,7 @@ class StretchWalk:
             self.ended = Followed(ended, message)
             return
         first: tuple[Point, Looked] | None = None
-        for point in _telling(branch):
+        for point in self._telling(branch):
             self.along = self.begin + point.arclength
             report(self.done)
             try:
@@ -152,6 +154,37 @@ class StretchWalk:
                 ended = "singular"  # Newton's method has no curve to settle to
             message = ending_of_orbits(ended, branch.message, name, point.p)
             self.ended = Followed(ended, message)
+
+    def _telling(self, points: Iterable[Point]) -> Iterator[Point]:
+        """The points, but for those beside others that tell more of what happens there.
+
+        The engine may find a slow impact to be another motion where its speed squared is rounding.
+        A multiplier that is followed by itself may cross the unit circle together with others.
+        """
+        waits: Point | None = None
+        told = -np.inf  # arclength of the last special point
+        for point in points:
+            name, is_one = point.special, point.special.startswith(MODULUS)
+            if is_one:
+                point = replace(point, special=kind_of_crossing(self.stretch.look(point)))
+            tells = bool(name) and not _is_spurious(point, self.stretch.look(point))
+            if waits is not None:
+                near = point.arclength - waits.arclength <= _AGAIN
+                if is_one and near:
+                    continue
+                if not (near and tells and (waits.special != "motion" or is_of_word(name))):
+                    yield waits
+                    told = waits.arclength
+                waits = None
+            if is_one and (point.arclength - told <= _AGAIN or not point.special):
+                continue
+            if name == "motion" or is_one:
+                waits = point
+            else:
+                yield point
+                told = point.arclength if tells else told
+        if waits is not None:
+            yield waits
 
     def _is_crossed(self, u: Floats, p: float) -> bool:
         """Whether the equations of an orbit do not fix one curve."""
@@ -479,26 +512,6 @@ class StretchWalk:
 
     def _part(self, looked: Looked, point: Point, special: str, detail: str) -> BranchPart:
         return part_of(self.stretch, looked, point, self.along, special, detail)
-
-
-def _telling(points: Iterable[Point]) -> Iterator[Point]:
-    """The points, but for changes of the motion just before what tells how they come about.
-
-    The engine may find a slow impact to be another motion where its speed squared is rounding.
-    """
-    waits: Point | None = None
-    for point in points:
-        if waits is not None:
-            near = point.arclength - waits.arclength <= _AGAIN
-            if not (near and is_of_word(point.special)):
-                yield waits
-            waits = None
-        if point.special == "motion":
-            waits = point
-        else:
-            yield point
-    if waits is not None:
-        yield waits
 
 
 def _fault_at(stretch: BranchStretch, point: Point, fault: Exception) -> str:

@@ -44,6 +44,8 @@ from nonsmooth.periodic_orbits.word import Word, shortest_paths
 
 __all__ = ["changes_at_once", "changes_of_word", "vanishing_leg"]
 
+_SLOW = 1e-6  # rate of a guard that is touched beside those of all states
+
 Integers = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
@@ -110,6 +112,7 @@ def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> 
     found: list[Change] = []
     before = len(equations.word)  # legs from here on have changed
     places = equations.legs.minima(equations.word, turn.states, turn.instants).places
+    length, here = float(turn.instants[-1] - turn.instants[0]), (-1, 0.0)
 
     def instant(name: str) -> tuple[int, float]:
         kind, *numbers = name.split(":")
@@ -120,15 +123,32 @@ def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> 
     for name in sorted(names, key=instant, reverse=True):
         if int(name.split(":")[1]) >= before:
             continue  # it went with an excursion of several legs
-        found = changes_of_word(equations, turn, name)
+        there = instant(name)
+        at_once = there[0] == here[0] and abs(there[1] - here[1]) <= GONE * length
+        change = _touched_too if at_once and name.startswith("graze") else None
+        found = change(equations, turn, *map(int, name.split(":")[1:])) if change else []
+        found = found or changes_of_word(equations, turn, name)
         if not found:
             return []
-        last = found[0]
+        last, here = found[0], there
         if len(last.guess.word) < len(equations.word) - 2:
             before = int(last.grows.split(":")[1])
         turn = last.guess.turn
         equations = equations.of_word(last.guess.word, turn.states[0])
     return found
+
+
+def _touched_too(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
+    """Guard g is touched just where leg k ends in a touch: both of equal machines hit their stops.
+
+    None where an exit of them leads to another mode.
+    """
+    word, target = equations.word, equations.legs.tables.wiring.exits["target"]
+    mode, path = word.modes[k], (*word.paths[k], g)
+    if len(path) > PATH_LENGTH or any(int(target[mode, e]) != mode for e in path):
+        return []
+    new = Word(word.modes, (*word.paths[:k], path, *word.paths[k + 1 :]))
+    return [Change("grazing", Guess(new, turn), f"rate:{k}")]
 
 
 def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Change]:
@@ -483,14 +503,15 @@ def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change
     """The exit of leg k is only touched: where it leads back to its mode, it is left out.
 
     Exits that are passed at the same instant stay, as where a body that slides along another one
-    is turned round by an impact: its slip and the rate of the gap vanish together.
+    is turned round by an impact: its slip and the rate of the gap vanish together. Those that are
+    only touched as well, as by equal machines, are left out with it.
     """
     word, wiring = equations.word, equations.legs.tables.wiring
     mode, path = word.modes[k], word.paths[k]
     if int(wiring.exits["target"][mode, path[0]]) != mode:
         return []
     rest = without_jump(wiring, mode, path[1:])
-    if rest:
+    if rest and not _are_touched(equations, turn, k, rest):
         if is_onto(wiring, mode, rest[0]):
             return []
         new = Word(word.modes, (*word.paths[:k], rest, *word.paths[k + 1 :]))
@@ -504,6 +525,22 @@ def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change
     instants = np.delete(turn.instants, k + 1)
     grows = f"graze:{k}:{path[0]}"
     return [Change("grazing", Guess(Word(modes, paths), Turn(states, instants)), grows)]
+
+
+def _are_touched(equations: OrbitEquations, turn: Turn, k: int, exits: tuple[int, ...]) -> bool:
+    """Whether all these exits lead back to the mode of leg k, and have no rate at its end."""
+    word, legs = equations.word, equations.legs
+    mode, target = word.modes[k], legs.tables.wiring.exits["target"]
+    if any(int(target[mode, e]) != mode for e in exits):
+        return False
+    count = len(exits)
+    found = legs.follow_each(
+        Word((mode,) * count, tuple((e,) for e in exits)), np.tile(turn.states[k], (count, 1)),
+        np.full(count, turn.instants[k]), np.full(count, turn.instants[k + 1]),
+    )  # fmt: skip
+    rows = np.abs(found.guard_row[:, : legs.n])
+    speeds = rows.max(axis=1) * np.abs(found.end_rates).max(axis=1)
+    return bool(np.all(np.abs(found.guard_rate) <= _SLOW * speeds))
 
 
 def _with_event_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:

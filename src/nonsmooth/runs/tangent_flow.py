@@ -162,7 +162,7 @@ class TangentFlow:
     @property
     def time_shifts(self) -> Matrix:
         """How much earlier the last event comes, by each column."""
-        return self._tangent.shifts[: self.n]
+        return self._tangent.shifts[0, : self.n]
 
     @property
     def last_rows(self) -> tuple[Rows, Matrix]:

@@ -121,7 +121,7 @@ class Tangents:
         now = (tangent.now, tangent.columns)[side][:, :n].T
         # the moment of a knot of a signal is known, so nothing shifts it
         at_knot = self.knots and row["guard_rate"] == 0.0
-        shift = np.zeros(n) if at_knot else -tangent.shifts
+        shift = np.zeros(n) if at_knot else -tangent.shifts[0]
         rate = self.rates.at(end, int(row[("from_mode", "to_mode")[side]]), state)
         return np.vstack([now + np.outer(rate, shift), shift])
 

@@ -360,7 +360,8 @@ typedef struct Anchors {
 typedef struct Tangents {
     Array(double, 3) columns; /* (C, N) at the anchor: by each initial state, then by parameters */
     Array(double, 2) now;     /* (C, N) at the current point */
-    Array(double, 1) shifts;  /* (C,) of the time of the present event */
+    Array(double, 2) shifts;  /* (2, C) of the time of the present event, and what its last exit
+                               * comes earlier beside the first */
     Array(double, 1) velocity; /* (N,) rates of all coordinates */
     Array(Lanes, 3) dual;      /* (registers, blocks of C, ORDER + 1): series of a Taylor step */
     int64_t *ready;            /* whether dual belongs to the present step */
@@ -404,6 +405,7 @@ typedef struct LegResults {
     Array(double, 1) guard_rate; /* (L,) its rate */
     Array(double, 2) others;     /* (L, e) all guards of the mode at the end */
     Array(double, 2) passed;     /* (L, PATH_LENGTH) guard of each exit, where it is passed */
+    Array(double, 2) passed_rate; /* (L, PATH_LENGTH) its rate, where a later one is met by itself */
     Array(double, 1) spare;      /* (N,) */
 } LegResults;
 

@@ -8,6 +8,7 @@
 // leg vanishes.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 #include "leg_flow.hpp"
@@ -17,6 +18,7 @@
 #include "state_sets.hpp"
 #include "tangent.hpp"
 #include "velocity.hpp"
+#include "zeros.hpp"
 
 namespace nonsmooth {
 
@@ -71,36 +73,116 @@ inline void relate_both(const Tables& tables, Index m, double* z, double* moved)
     }
 }
 
+// Whether a later exit of a path is met in time, and not because of those before it: its guard is
+// zero, and what they leave free changes it. size is what the guard comes to.
+inline bool is_met_by_itself(const Tables& tables, const Segment& segment, Index m, Index e,
+                             double size) {
+    constexpr double zero = 1e-9;  // part of the size: less is left on an orbit
+    if (e >= mode_wiring(tables, m).n_exits) return false;
+    const double* row = guard_coefficients(tables, m, e, 0);
+    if (std::fabs(product(row, segment.z.data, tables.size())) > zero * size) return false;
+    return zero_order(tables, m, e, directions_of(segment)) == 0;
+}
+
+// Whether a guard falls through zero at an instant of its own, in the duration in which it comes to
+// its size: where it is only touched there is none.
+inline bool falls_in_time(double value, double rate, double size, double duration) {
+    constexpr double slow = 1e-7;  // part of the size
+    constexpr double late = 1e-3;  // part of the duration by which that is another instant
+    const double falls = -rate * duration;
+    return falls > slow * size && std::fabs(value) <= late * falls;
+}
+
+// The state behind the exits that are passed so far, at a fixed instant: what it changes by when the
+// leg lasts longer, and how much later than the first exit the last one is met, in that as well.
+struct Moved {
+    double* rate;  // (N,)
+    double later = 0.0, later_rate = 0.0;
+};
+
+// Take state and derivatives to the instant at which a later exit e of mode m is met by itself, if it
+// is; met_rate becomes the rate of its guard. segment.scale tells how far coordinates move in the
+// duration.
+inline void meet_exit(const Tables& tables, const Rates& rates, const Segment& segment,
+                      const Tangent& tangent, Index m, Index e, double duration, Moved& moved,
+                      double& met_rate) {
+    const Index size = tables.size();
+    const double* row = guard_coefficients(tables, m, e, 0);
+    double* z = segment.z.data;
+    double largest = 0.0;
+    for (Index i = 0; i < size; ++i) largest += std::fabs(row[i]) * segment.scale[i];
+    if (!is_met_by_itself(tables, segment, m, e, largest)) return;
+    met_rate = rate_of_guard(tables, m, e, z);
+    if (!falls_in_time(product(row, z, size), met_rate, largest, duration)) return;
+    go_on_to_surface(tables, rates, segment, tangent, m, e);
+    const double* velocity = tangent.velocity.data;
+    const double later = product(row, z, size) / met_rate;
+    const double later_rate = product(row, moved.rate, size) / met_rate;
+    moved.later += later;
+    moved.later_rate += later_rate;
+    for (Index i = 0; i < size; ++i) {
+        z[i] -= velocity[i] * later;
+        moved.rate[i] -= velocity[i] * later_rate;
+    }
+}
+
 // Pass the exits of leg k at one instant, with their own derivatives; false where states do not
 // settle. tangent.velocity holds the rates before.
+//
+// The instant is that of the first exit, which is a matter of the equations. Exits that are met by
+// themselves have instants beside it, up to first order.
 inline bool pass_path(const Tables& tables, const Rates& rates, const Segment& segment,
                       const Tangent& tangent, const WordLegs& legs, Index k, WindowPhase time,
                       const LegResults& results) {
     const Index n = tables.n(), size = tables.size();
-    double *z = segment.z.data, *moved = results.spare.data;
-    copy(tangent.velocity.data, moved, size);
+    double* z = segment.z.data;
+    Moved moved{results.spare.data};
+    copy(tangent.velocity.data, moved.rate, size);
     start_columns(n, tangent);
     complete_columns(tables, rates, tangent, time.number, time.phase, z);
+    fill(tangent.shifts, 0.0);
     fill(results.passed[k], 0.0);
+    fill(results.passed_rate[k], 0.0);
     Index m = legs.modes[k];
+    const bool has_several = legs.paths.shape[1] > 1 && legs.paths(k, 1) >= 0;
+    constexpr double least = 1e-3;  // part of a window: a leg may last no time
+    const double duration =
+        std::max(std::fabs(legs.ends[k] - legs.begins[k]), least * tables.clock.window);
+    if (has_several) {
+        fill_scale(tables, m, z, duration, segment.scale.data);
+        start_directions(tables, m, legs.paths(k, 0), directions_of(segment));
+    }
     for (Index step = 0; step < legs.paths.shape[1]; ++step) {
         const Index e = legs.paths(k, step);
         if (e < 0) break;
         results.passed(k, step) = product(guard_coefficients(tables, m, e, 0), z, size);
+        if (step > 0) {
+            meet_exit(tables, rates, segment, tangent, m, e, duration, moved,
+                      results.passed_rate(k, step));
+        }
         push_columns(tables, rates, segment, tangent, m, e);
+        if (has_several) push_reset(tables, m, e, directions_of(segment));
         reset_vector(tables, m, e, z, segment.spare.data);
-        reset_vector(tables, m, e, moved, segment.spare.data);
+        reset_vector(tables, m, e, moved.rate, segment.spare.data);
         m = exit_wiring(tables, m, e).target;
         if (m < 0) return false;
         if (!is_empty(mode_wiring(tables, m).implicit) && !settle(tables, rates, segment, m)) {
             return false;
         }
         linearise_mode(tables, rates, segment, m);
-        relate_both(tables, m, z, moved);
+        relate_both(tables, m, z, moved.rate);
         relate_columns(tables, rates, segment, tangent, m);
+        if (has_several) push_relations(tables, m, directions_of(segment));
+    }
+    if (has_several) {
+        end_saltation(tables, segment, tangent, m);
+        for (Index i = 0; i < n; ++i) {
+            z[i] += tangent.velocity[i] * moved.later;
+            moved.rate[i] += tangent.velocity[i] * moved.later_rate;
+        }
     }
     copy(z, &results.nexts(k, 0), n);
-    copy(moved, &results.jump_rate(k, 0), n);
+    copy(moved.rate, &results.jump_rate(k, 0), n);
     for (Index c = 0; c < tangent.count(); ++c) {
         copy(&tangent.columns(c, 0), &results.jump(k, c, 0), n);
     }

@@ -188,7 +188,7 @@ inline Anchor anchor_at(const Anchors& anchors, Index lane) {
 struct Tangent {
     View<double, 2> columns;
     View<double, 2> now;
-    View<double, 1> shifts;
+    View<double, 2> shifts;
     View<double, 1> velocity;
     View<Lanes, 3> dual;
     int64_t* ready;

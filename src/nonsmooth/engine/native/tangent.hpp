@@ -4,6 +4,8 @@
 // surface of the guard that fires, through the resets and relations passed there, and back to
 // the time of the event with the rates of the mode that holds then: the saltation matrix
 // (P. Mueller, Calculation of Lyapunov exponents for dynamic systems with discontinuities, 1995).
+// Exits of one instant that another one causes come with it. Those that are met by themselves, as
+// two machines hit in step, have times of their own.
 // Where nothing is carried, there are no columns, and all of this costs one comparison.
 #pragma once
 
@@ -70,7 +72,8 @@ inline void start_saltation(const Tables& tables, const Rates& rates, const Segm
     const double rate = product(&tables.affine(m, row, 0), velocity, size);
     for (Index c = 0; c < tangent.count(); ++c) {
         const double shift = change_of_row(tables, rates, tangent, m, row, c, z) / rate;
-        tangent.shifts[c] = shift;
+        tangent.shifts(0, c) = shift;
+        tangent.shifts(1, c) = 0.0;
         for (Index i = 0; i < size; ++i) tangent.columns(c, i) -= velocity[i] * shift;
     }
 }
@@ -106,13 +109,29 @@ inline void relate_columns(const Tables& tables, const Rates& rates, const Segme
     }
 }
 
+// Columns taken on to the surface of exit e of mode m, met by itself at the same instant.
+inline void go_on_to_surface(const Tables& tables, const Rates& rates, const Segment& segment,
+                             const Tangent& tangent, Index m, Index e) {
+    const double* z = segment.z.data;
+    const double* velocity = tangent.velocity.data;
+    const Index row = guard_row(e, 0), size = tables.size();
+    fill_velocity(tables, m, z, tangent.velocity.data);
+    const double rate = product(&tables.affine(m, row, 0), velocity, size);
+    for (Index c = 0; c < tangent.count(); ++c) {
+        const double shift = change_of_row(tables, rates, tangent, m, row, c, z) / rate;
+        tangent.shifts(1, c) += shift;
+        for (Index i = 0; i < size; ++i) tangent.columns(c, i) -= velocity[i] * shift;
+    }
+}
+
 // Columns brought back to the time of the event with the rates of the mode that holds.
 inline void end_saltation(const Tables& tables, const Segment& segment, const Tangent& tangent,
                           Index m) {
     fill_velocity(tables, m, segment.z.data, tangent.velocity.data);
     for (Index c = 0; c < tangent.count(); ++c) {
+        const double shift = tangent.shifts(0, c) + tangent.shifts(1, c);
         for (Index i = 0; i < tables.size(); ++i) {
-            tangent.columns(c, i) += tangent.velocity[i] * tangent.shifts[c];
+            tangent.columns(c, i) += tangent.velocity[i] * shift;
         }
     }
 }

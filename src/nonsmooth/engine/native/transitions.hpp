@@ -139,6 +139,19 @@ class Transition {
                segment_.order[e] == 1 && !is_empty(exit_wiring(tables_, m, e).resetting);
     }
 
+    // Whether a later exit of the path is met in time, and not because of those before it: its guard
+    // falls through zero, and what they leave free changes it.
+    bool is_met_by_itself(Index m, Index e) {
+        if (passage_.passes == 0 || !shifted_ || e >= mode_wiring(tables_, m).n_exits) return false;
+        if (segment_.order[e] != 1) return false;
+        if (!followed_) {
+            scale_of(m);
+            follow_path();
+            followed_ = true;
+        }
+        return zero_order(tables_, m, e, directions_of(segment_)) == 0;
+    }
+
     // Bring all that belongs to the mode up to date before its exit is passed, or at a start; false
     // where states cannot be solved for.
     bool prepare() {
@@ -186,6 +199,9 @@ class Transition {
         }
         first_rate_ = std::max(first_rate_, std::fabs(rebound.arrival));
         if (carries() && starts_on_guard(m, e)) start_columns_at(m, e);
+        if (carries() && is_met_by_itself(m, e)) {
+            go_on_to_surface(tables_, rates_, segment_, tangent_, m, e);
+        }
         if (passage_.passes < PATH_LENGTH) {
             passage_.path |= (e + 1) << (PATH_BITS * passage_.passes);
         }
