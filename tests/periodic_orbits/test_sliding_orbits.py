@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from scipy.linalg import expm
+from scipy.optimize import fsolve
 
 import nonsmooth as ns
 from periodic_orbits.references import chatter
@@ -187,3 +189,38 @@ def test_a_superstable_orbit_says_so():
         orbit = ns.find_orbit(system, start, transient=2)
         assert "superstable" in orbit.attrs["message"]
         assert orbit.attrs["status"] == "completed"
+
+
+def test_an_orbit_from_a_start_that_sticks_more_often():
+    """Coulomb friction below the force: two turning points without rest, by the closed form.
+
+    Between them x is odd half a period later, and v is zero where x = a: the solution of
+    x'' = -x - c x' + F cos(w t) + mu on the way down from a to -a in half a period.
+    """
+    system = ns.System(
+        states=["x", "v"],
+        period="2*pi/w",
+        parameters={"F": 1.0, "w": 0.7, "mu": 0.6, "c": 0.1},
+        equations={"x": "v", "v": "-x - c*v + F*cos(w*t) - mu*sign(v)"},
+        surfaces={"turn": ns.Surface("v")},
+    )
+    orbit = ns.find_orbit(system, {"x": 0.5, "v": 0.1})
+    assert orbit.attrs["status"] == "completed"
+    assert orbit["leg_mode"].size == 3
+    half = np.pi / 0.7
+    assert np.diff(orbit["leg_time"].values[1:])[0] == pytest.approx(half, abs=1e-12)
+    A = np.array([[0.0, 1.0], [-1.0, -0.1]])
+    # states are (x, v), cos, sin and 1, on the way down: friction pushes up
+    whole = np.zeros((5, 5))
+    whole[:2, :2], whole[1, 2], whole[1, 4] = A, 1.0, 0.6
+    whole[2, 3], whole[3, 2] = -0.7, 0.7
+    over = expm(whole * half)
+
+    def gap(unknowns):
+        a, phase = unknowns
+        end = over @ [a, 0.0, np.cos(phase), np.sin(phase), 1.0]
+        return [end[0] + a, end[1]]
+
+    x, v = orbit["leg_states"].values[1]
+    solution = fsolve(gap, [x, 0.7 * float(orbit["leg_time"][1])], xtol=1e-14)
+    assert [x, v] == pytest.approx([solution[0], 0.0], abs=1e-11)

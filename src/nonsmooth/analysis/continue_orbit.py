@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -16,17 +17,16 @@ from nonsmooth.analysis.orbit_search.branches import (
     read_steps,
 )
 from nonsmooth.analysis.orbit_search.options import period_of, read_wanted, said_of_options
-from nonsmooth.continuation.branch_directions import branch_directions
 from nonsmooth.errors import NonsmoothError, OptionError, is_known, unknown_name
+from nonsmooth.periodic_orbits.branch_crossing import Crossing, arm, crossing_at, crossing_at_flip
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
 from nonsmooth.periodic_orbits.branch_run import follow_orbits
 from nonsmooth.periodic_orbits.branch_start import doubled_start, tangent_at
 from nonsmooth.periodic_orbits.legs import Legs
-from nonsmooth.periodic_orbits.newton import scale_of
 from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
-from nonsmooth.periodic_orbits.search import other_ways, search_orbit, solve_guess
-from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart, BranchStretch
+from nonsmooth.periodic_orbits.search import equations_for, other_ways, search_orbit, solve_guess
+from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
 from nonsmooth.runs.progress import HeldInterrupts, Progress
 from nonsmooth.runs.runner import build_tables
@@ -291,11 +291,11 @@ def read_branch_options(
     if isinstance(base, System) and not is_known(parameter, base.parameters):
         raise OptionError(unknown_name("parameter", str(parameter), base.parameters))
     beginning = Beginning()
-    is_new = special is None and shared.parameters is None and is_orbit(initial)
-    if is_new and isinstance(base, System):
-        shared = replace(shared, parameters=carried_parameters(base, initial) or None)
     if special is not None:
         initial, beginning = _at_special(initial, special, parameter)
+    if shared.parameters is None and is_orbit(initial) and isinstance(base, System):
+        shared = replace(shared, parameters=carried_parameters(base, initial) or None)
+    if special is not None:
         shared = _at_value(shared, parameter, float(initial[parameter]))
     elif is_orbit(initial) and parameter in initial and initial[parameter].ndim == 0:
         shared = _at_value(shared, parameter, float(initial[parameter]))
@@ -377,7 +377,7 @@ def both_ways(
     legs.set_values(options.system.parameter_values)
     options, wanted = _primitive(options, wanted, legs, beginning)
     value = float(options.system.parameter_values[options.parameter])
-    start = _first(options, wanted, legs, value, beginning)
+    start = _beginning(options, wanted, legs, value, beginning)
     if beginning.kind == "flip":  # both ways lead to the same orbits, a strobe apart
         direction = "up"
     ways = {"both": (1.0, -1.0), "up": (1.0,), "down": (-1.0,)}[direction]
@@ -390,9 +390,8 @@ def both_ways(
                 progress.update(number * options.steps + done)
                 held.check()
 
-            du, dp = start.direction
-            begin = BranchStart(start.equations, start.unknowns, value, (way * du, way * dp))
             legs.set_values(options.system.parameter_values)
+            begin = start(way)
             parts: list[BranchPart] = []
             found[way] = parts, Followed(ended="interrupted", message="interrupted by the user")
             try:
@@ -494,16 +493,19 @@ def _drop_folds_at_crossings(parts: list[BranchPart]) -> None:
             part.special = part.test = ""
 
 
-def _first(
+def _beginning(
     options: BranchOptions, wanted: OrbitRequest, legs: Legs, value: float, beginning: Beginning
-) -> BranchStart:
-    """Where the branch begins, heading for larger values of the parameter."""
+) -> Callable[[float], BranchStart]:
+    """Where the branch begins, towards larger values of the parameter (1) or smaller ones (-1)."""
+    if beginning.kind == "crossing":
+        return _crossing(options, wanted, legs, value, beginning.neighbour)
     if beginning.kind == "flip":
-        start = doubled_start(
-            options, legs, guess_of_dataset(options.system, wanted.initial), value
-        )
-    elif beginning.kind == "crossing":
-        start = _crossing(options, wanted, legs, value, beginning.neighbour)
+        guess = guess_of_dataset(options.system, wanted.initial)
+        start = doubled_start(options, legs, guess, value)
+        once = equations_for(replace(wanted, period=options.period // 2), legs, guess)
+        crossing = crossing_at_flip(options, once, guess, start)
+        if crossing is not None:
+            return partial(_arm, options, crossing)
     else:
         found = search_orbit(wanted, legs)
         if found.orbit is None or found.equations is None:
@@ -514,41 +516,31 @@ def _first(
                 f" {other_ways(wanted)}; inadmissible=True follows the equations of its word all"
                 " the same"
             )
-        equations = found.equations
-        unknowns = equations.pack(found.orbit.turn)
+        unknowns = found.equations.pack(found.orbit.turn)
         legs.set_values(options.system.parameter_values)
-        start = BranchStart(equations, unknowns, value, tangent_at(equations, unknowns))
-    if start.direction[1] < 0.0:
-        start.direction = (-start.direction[0], -start.direction[1])
-    return start
+        start = BranchStart(found.equations, unknowns, value, tangent_at(found.equations, unknowns))
+    du, dp = start.direction
+    up = 1.0 if dp >= 0.0 else -1.0
+    return lambda way: replace(start, direction=(up * way * du, up * way * dp))
 
 
 def _crossing(
     options: BranchOptions, wanted: OrbitRequest, legs: Legs, value: float, neighbour: Any
-) -> BranchStart:
-    """The other branch at a point where two of them cross.
-
-    At the point itself both branches are tangent to solutions of the same equations, so only
-    another point of the known branch tells which of the two directions is its own.
-    """
-    found = solve_guess(wanted, legs, guess_of_dataset(options.system, wanted.initial))
+) -> Callable[[float], BranchStart]:
+    """The same of the other branch at a point where two of them cross."""
+    guess = guess_of_dataset(options.system, wanted.initial)
+    found = solve_guess(wanted, legs, guess)
     assert found.equations is not None
-    equations = found.equations
-    unknowns = equations.pack(guess_of_dataset(options.system, wanted.initial).turn)
-    stretch = BranchStretch(options, legs, equations)
-    if neighbour is None:
-        known = tangent_at(equations, unknowns)
-    else:
-        there = equations.pack(guess_of_dataset(options.system, neighbour).turn)
-        known = there - unknowns, float(neighbour[options.parameter]) - value
-    low, high = options.bounds
+    beside = None
+    if neighbour is not None:
+        there = guess_of_dataset(options.system, neighbour)
+        beside = there, float(neighbour[options.parameter])
+    crossing = crossing_at(options, found.equations, guess, value, beside)
+    return partial(_arm, options, crossing)
+
+
+def _arm(options: BranchOptions, crossing: Crossing, way: float) -> BranchStart:
     try:
-        crossing = branch_directions(
-            stretch.residual, unknowns, value, along=known, scale=scale_of(equations, unknowns),
-            parameter_scale=high - low,
-        )  # fmt: skip
+        return arm(options, crossing, way)
     except NonsmoothError as fault:
         raise OptionError(f"no other branch was found at this point: {fault}") from None
-    legs.set_values(options.system.parameter_values)
-    du, dp = crossing.directions[1]
-    return BranchStart(equations, np.asarray(crossing.u), float(crossing.p), (du, dp))

@@ -27,7 +27,7 @@ def follow(
     largest_step: float = 0.2,
     bounds: tuple[float, float] = (-np.inf, np.inf),
     steps: int = 500,
-    tests: Callable[[Point], Mapping[str, float]] | None = None,
+    tests: Callable[[Point], Mapping[str, float | Callable[[], float]]] | None = None,
     tolerance: float = 1e-11,
     scale: Any = None,
     parameter_scale: float | None = None,
@@ -70,7 +70,7 @@ def follow(
         ``tests(point)`` returns a mapping of names to numbers. Where one changes its sign the place
         is found to rounding, and a point given that has the name in ``special``. NaN: not available
         there. In place of a number that takes long to compute, a function without arguments may
-        give it: it is called only where that number is needed.
+        give it: it is called only where that number is needed, and again where it was NaN.
     tolerance : float, optional
         Newton's method ends with a step this small relative to the scaled unknowns; what is left
         behind it is smaller.

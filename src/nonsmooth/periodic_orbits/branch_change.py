@@ -56,7 +56,6 @@ __all__ = ["SHRINKS", "broken_test", "change_at", "end_at"]
 
 Floats = npt.NDArray[np.float64]
 
-_AT_SECTION = ("leg:0", "leg:last")
 _BEYOND = 1e-6  # of the range of the parameter: an impact at the section is on one side of it there
 _APPEARS = 1e-6  # part of the turn that a leg lasts where a branch with it begins
 SHRINKS = "the cycle shrinks to a point"
@@ -133,7 +132,9 @@ def _by_change_of_word(
     name = _what_happens(stretch, looked, point)
     hidden = name != point.special
     stretch.set_parameter(point.p)
-    changes = changes_at_once(stretch.equations, looked.turn, _vanishing(looked, name))
+    changes = changes_at_once(
+        stretch.equations, looked.turn, _vanishing(stretch.equations.word, looked, name)
+    )
     for change in [*changes, *changes_of_word(stretch.equations, looked.turn, name)]:
         passes = change.kind == "section"  # an event passes it, which is no special point
         start = over_chatter(stretch, looked, point) if passes else None
@@ -284,7 +285,7 @@ def _what_happens(stretch: BranchStretch, looked: Looked, point: Point) -> str:
         lasts, rate = (abs(looked.tests.get(f"{name}:{k}", 1.0)) for name in ("leg", "rate"))
         slow = rate <= lasts if kind == "enter" else _comes_from_surface(stretch, k)
         return f"leg:{k}" if slow and lasts <= _NEARLY_GONE else point.special
-    if point.special not in ("motion", *_AT_SECTION):
+    if point.special != "motion" and not _at_section(stretch.equations.word, point.special):
         return point.special
     rates = {name: value for name, value in looked.tests.items() if what_of(name) == "rate"}
     least = min(rates, key=lambda name: rates[name], default="")
@@ -298,6 +299,11 @@ def _comes_from_surface(stretch: BranchStretch, k: int) -> bool:
     if word.last_target(wiring, k) == word.modes[k] or not word.paths[before]:
         return False
     return not any(wiring.resets(word.modes[i], word.paths[i][0]) for i in (before, k))
+
+
+def _at_section(word: Word, name: str) -> bool:
+    """Whether an event passes the strobe at which an orbit begins."""
+    return name in ("leg:0", "leg:last") and not word.closes_at_event
 
 
 def _touched(stretch: BranchStretch, start: BranchStart) -> str:
@@ -316,9 +322,9 @@ def _touched(stretch: BranchStretch, start: BranchStart) -> str:
     return least if least and grazes[least] < 0.0 else ""
 
 
-def _vanishing(looked: Looked, name: str) -> list[str]:
+def _vanishing(word: Word, looked: Looked, name: str) -> list[str]:
     """Tests of the kind of this one that vanish at the same point; none where it is alone."""
-    if name in ("motion", *_AT_SECTION):
+    if name == "motion" or _at_section(word, name):
         return []
     kind, together = what_of(name), max(_TOGETHER, looked.rounding)
     found = [

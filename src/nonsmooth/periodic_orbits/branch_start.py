@@ -30,6 +30,7 @@ __all__ = [
     "goes_on",
     "is_crossed",
     "nearest_behind",
+    "passed_twice",
     "tangent_at",
 ]
 
@@ -361,6 +362,17 @@ def doubled_start(options: BranchOptions, legs: Legs, guess: Guess, value: float
     ``options`` have the period of the doubled orbit. At the flip the equations of the doubled
     orbit are singular; their null vector leads to it, the parameter being stationary there.
     """
+    word, turn = passed_twice(options, legs, guess)
+    equations = OrbitEquations(
+        legs, word, period=options.period, phase=options.phase, autonomous=options.autonomous,
+        origin=turn.states[0], reference=turn.states[0].copy(),
+    )  # fmt: skip
+    unknowns = equations.pack(turn)
+    return BranchStart(equations, unknowns, value, (null_vector(equations, unknowns), 0.0))
+
+
+def passed_twice(options: BranchOptions, legs: Legs, guess: Guess) -> Guess:
+    """A turn passed twice, the legs standing for its parameter."""
     word, turn = guess
     length = float(turn.instants[-1] - turn.instants[0])
     ends = legs.follow(word, turn.states, turn.instants).nexts[-1]
@@ -376,9 +388,4 @@ def doubled_start(options: BranchOptions, legs: Legs, guess: Guess, value: float
         twice = Word(word.modes + word.modes[1:], word.paths[:-1] + word.paths)
         states = np.vstack([turn.states, turn.states[1:] + shift])
         instants = np.concatenate([turn.instants[:-1], turn.instants[1:] + length])
-    equations = OrbitEquations(
-        legs, twice, period=options.period, phase=options.phase, autonomous=options.autonomous,
-        origin=states[0], reference=states[0].copy(),
-    )  # fmt: skip
-    unknowns = equations.pack(Turn(states, instants))
-    return BranchStart(equations, unknowns, value, (null_vector(equations, unknowns), 0.0))
+    return Guess(twice, Turn(states, instants))

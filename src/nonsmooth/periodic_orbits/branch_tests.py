@@ -170,6 +170,8 @@ class Looked:
     multipliers: Floquet
     admissibility: Admissibility
     tests: dict[str, float]
+    # those of guards that are met at one instant, of which there has been no more than rounding
+    quiet: dict[str, float]
     other: tuple[OrbitEquations, Floats] | None = None  # with the rebounds that the engine follows
     reflection: Reflection | None = None  # under the declared symmetry
     strobes: Strobes = NO_STROBES
@@ -208,6 +210,7 @@ class BranchTests:
         # tests that have been more than what rounding or a decay leaves
         self._clear = {grows}
         self._told: set[str] | None = None
+        self._quiet: dict[str, float] = {}  # of the last orbit
         self._largest: Floats | None = None
         word, wiring = equations.word, equations.legs.tables.wiring
         self._wiring = wiring
@@ -284,7 +287,7 @@ class BranchTests:
             # else the word is about to change, and rounding decides what the engine finds
         looked = Looked(
             turn, end, legs.values.copy(), legs.window, residual, multipliers, admissibility, tests,
-            other, image, strobes_of(equations, turn),
+            self._quiet, other, image, strobes_of(equations, turn),
         )  # fmt: skip
         if len(self._seen) >= _REMEMBERED:
             del self._seen[next(iter(self._seen))]
@@ -475,7 +478,18 @@ class BranchTests:
                     tests[name] = 0.0 if abs(tests[name]) <= apart else tests[name]
                 tests[name] += margin
         self._clear |= {name for name, value in tests.items() if abs(value) > _ZERO}
-        return {name: value for name, value in tests.items() if name in self._clear}, faded
+        kept = {name: value for name, value in tests.items() if name in self._clear}
+        self._quiet = {
+            name: value
+            for name, value in tests.items()
+            if name not in kept and what_of(name) in ("gain", "corner")
+            if len(word.paths[int(name.split(":")[1])]) > 1
+        }
+        return kept, faded
+
+    def counts(self, name: str) -> bool:
+        """Whether a test has been more than what rounding leaves of it."""
+        return name in self._clear
 
     def _alike(self, tests: dict[str, float]) -> dict[str, float]:
         """Tests of an orbit that is its own image, the same in both halves of its turn.

@@ -35,7 +35,7 @@ from nonsmooth.periodic_orbits.restart import (
     values_of_orbit,
     walk_to,
 )
-from nonsmooth.periodic_orbits.word_change import changes_of_word
+from nonsmooth.periodic_orbits.word_change import changes_at_once, changes_of_word
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 
@@ -229,19 +229,24 @@ def _has_come_to_rest(equations: OrbitEquations, solution: Solution, guess: Gues
 def _without_empty_leg(
     wanted: OrbitRequest, legs: Legs, equations: OrbitEquations, found: OrbitResult
 ) -> OrbitResult | None:
-    """The orbit without an excursion that has no duration, as beside a graze."""
+    """The orbit without legs of no duration, as beside a graze, or where the start stuck once."""
     assert found.orbit is not None
-    turn, wiring = found.orbit.turn, legs.tables.wiring
-    for k in np.flatnonzero(turn.durations <= 0.0):
-        if not is_graze(equations.word, wiring, int(k)):
-            continue
-        for change in changes_of_word(equations, turn, f"short:{k}"):
-            other = equations_for(wanted, legs, change.guess)
-            solution = solve_orbit(other, other.pack(change.guess.turn))
-            if solution.status == "completed":
-                better = finish(wanted, other, solution)
-                if better.status == "completed":
-                    return better
+    turn, word, wiring = found.orbit.turn, equations.word, legs.tables.wiring
+    names = [
+        f"{'short' if is_graze(word, wiring, int(k)) else 'leg'}:{k}"
+        for k in np.flatnonzero(turn.durations <= 0.0)
+        if word.paths[k]
+    ]
+    changes = changes_at_once(equations, turn, names) if len(names) > 1 else []
+    for name in names:
+        changes += changes_of_word(equations, turn, name)
+    for change in changes:
+        other = equations_for(wanted, legs, change.guess)
+        solution = solve_orbit(other, other.pack(change.guess.turn))
+        if solution.status == "completed":
+            better = finish(wanted, other, solution)
+            if better.status == "completed":
+                return better
     return None
 
 

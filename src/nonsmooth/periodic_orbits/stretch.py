@@ -22,7 +22,7 @@ from nonsmooth.periodic_orbits.branch_tests import (
 )
 from nonsmooth.periodic_orbits.cycle_plane import spread_of, spread_of_cycle
 from nonsmooth.periodic_orbits.cycle_size import scale_of_cycle, size_of_cycle
-from nonsmooth.periodic_orbits.equations import OrbitEquations
+from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.multipliers import UNBOUNDED
 from nonsmooth.periodic_orbits.newton import scale_of
@@ -132,7 +132,13 @@ class BranchStretch:
         }
         sizes = np.sort(np.abs(looked.multipliers.multipliers))[::-1]
         tests |= {f"{MODULUS}:{k}": partial(self._outside, size) for k, size in enumerate(sizes)}
+        if not self.options.inadmissible:
+            tests |= {name: partial(self._since, name, v) for name, v in looked.quiet.items()}
         return tests
+
+    def _since(self, name: str, value: float) -> float:
+        """A test of a start that lies at its zero; nan as long as it is zero all along."""
+        return value if self.tests.counts(name) else np.nan
 
     def _outside(self, size: float) -> float:
         """How far outside the unit circle a multiplier is; nan while nobody has to know."""
@@ -202,9 +208,39 @@ class BranchStretch:
         if self.equations.angle_periods.any():
             branch.repeats(self.equations.whole_turns)
         # of cycles without events it is told on the plane of this stretch
-        if home is not start and home.equations.word == self.equations.word:
-            branch.begun_at(home.unknowns, home.value, home.direction)
+        there = self._as_begun_here(home) if home is not start else None
+        if there is not None:
+            branch.begun_at(there[0], home.value, there[1])
         return branch
+
+    def _as_begun_here(self, home: BranchStart) -> tuple[Floats, tuple[Floats, float]] | None:
+        """Unknowns and direction of an orbit, begun at an event where it has the word of this one.
+
+        A cycle that nothing drives may begin at any of its events; None where it has another word.
+        """
+        word, (du, dp) = home.equations.word, home.direction
+        if word == self.equations.word:
+            return home.unknowns, home.direction
+        n, count = self.legs.n, len(word)
+        same = [k for k in range(1, count) if word.begun_at(k) == self.equations.word]
+        if not same or not word.closes_at_event:
+            return None
+        k, turn = same[0], home.equations.unpack(home.unknowns)
+        self.set_parameter(home.value)
+        ends = self.legs.follow(word, turn.states, turn.instants).nexts[-1]
+        states = np.roll(turn.states, -k, axis=0)
+        states[count - k :] += home.equations.carried(ends - turn.states[0])
+        states -= np.where(self.equations.drifting, states[0] - self.equations.origin, 0.0)
+        durations, change = turn.durations, np.diff(du[count * n :], prepend=0.0)
+        unknowns = self.equations.pack(Turn(states, _instants(np.roll(durations, -k))))
+        moved = Turn(
+            np.roll(du[: count * n].reshape(count, n), -k, axis=0), _instants(np.roll(change, -k))
+        )
+        return unknowns, (self.equations.pack(moved), dp)
+
+
+def _instants(durations: Floats) -> Floats:
+    return np.concatenate([[0.0], np.cumsum(durations)])
 
 
 def scale_along(equations: OrbitEquations, unknowns: Floats) -> Floats:

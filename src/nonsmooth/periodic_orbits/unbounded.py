@@ -80,7 +80,7 @@ class LastOrbits:
 
     def end(self, ended: Followed | None = None) -> Followed:
         """The end of the branch: that they grow without bound, or what has been found else."""
-        if ended is not None and ended.ended not in _ENDS:
+        if ended is not None and (ended.ended not in _ENDS or not self._last):
             return ended
         name, (value, period, size) = self.options.parameter, self._last[-1]
         here = f"{name} = {value:.10g}"

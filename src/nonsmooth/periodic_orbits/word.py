@@ -68,6 +68,10 @@ class Word:
             row[: len(path)] = path
         return rows
 
+    def begun_at(self, leg: int) -> Word:
+        """The same turn of a word that closes at an event, begun with another leg."""
+        return Word(self.modes[leg:] + self.modes[:leg], self.paths[leg:] + self.paths[:leg])
+
     def text(self, system: System) -> str:
         """Modes by name, joined by blanks; cells of one name in a row count once.
 

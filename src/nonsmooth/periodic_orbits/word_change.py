@@ -18,6 +18,8 @@ the parameter being free.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -38,11 +40,12 @@ from nonsmooth.periodic_orbits.onto import (
     with_jump,
     without_jump,
 )
+from nonsmooth.periodic_orbits.order_of_events import in_other_order
 from nonsmooth.periodic_orbits.touches import GONE, OPENED, Change, with_contact
 from nonsmooth.periodic_orbits.wall_at_surface import surface_before_wall, wall_before_surface
 from nonsmooth.periodic_orbits.word import Word, shortest_paths
 
-__all__ = ["changes_at_once", "changes_of_word", "vanishing_leg"]
+__all__ = ["changes_at_once", "changes_of_word", "vanishing_leg", "with_leg"]
 
 _SLOW = 1e-6  # rate of a guard that is touched beside those of all states
 
@@ -65,7 +68,7 @@ def _onto_surface(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]
     exits = targets_of_cell(wiring, cell)
     if beyond not in exits:
         return []
-    guess = _with_leg(equations, turn, k, entry, cell, (exits.index(beyond),))
+    guess = with_leg(equations, turn, k, entry, cell, (exits.index(beyond),))
     return [Change("crossing_sliding", guess, f"leg:{k + 1}")]
 
 
@@ -82,13 +85,13 @@ def _off_surface_first(equations: OrbitEquations, turn: Turn, k: int, g: int) ->
     duration = min(OPENED * length, 0.5 * float(turn.durations[(k + 1) % len(word)]))
     found = []
     for back in shortest_paths(wiring, beyond, cell):
-        guess = _with_leg(equations, turn, k, path[:-1], beyond, back)
+        guess = with_leg(equations, turn, k, path[:-1], beyond, back)
         guess.turn.instants[k + 2] += duration
         found.append(Change("switching_sliding", guess, "", k + 1, duration))
     return found
 
 
-def _with_leg(
+def with_leg(
     equations: OrbitEquations, turn: Turn, k: int, path: tuple[int, ...], mode: int,
     behind: tuple[int, ...],
 ) -> Guess:  # fmt: skip
@@ -170,8 +173,11 @@ def changes_of_word(equations: OrbitEquations, turn: Turn, name: str) -> list[Ch
         before = (k - 1) % len(equations.word)
         too_long = len(equations.word.paths[before] + equations.word.paths[k]) > PATH_LENGTH
         first = [] if too_long else [_without_leg(equations, turn, k)]
-        first = _in_other_order(equations, turn, k) + _by_other_side(equations, turn, k) + first
-        return first + _at_walls(wall_before_surface(equations, turn, k))
+        return (
+            in_other_order(equations, turn, k)
+            + first
+            + _at_walls(wall_before_surface(equations, turn, k))
+        )
     if kind == "gain":
         return [_with_leg_of_path(equations, turn, k, int(numbers[1]))]
     if kind == "over":
@@ -282,65 +288,6 @@ def _lands_again(word: Word, wiring: Wiring, before: int, k: int) -> bool:
     return same and wiring.resets(mode, first[0])
 
 
-def _in_other_order(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
-    """The events before and behind leg k, which lasts no time, change places.
-
-    Where each leads back to its mode, and both orders lead to the same state: the tick of a clock
-    and an impact, or impacts of two bodies. Nothing happens to the orbit there.
-    """
-    if equations.word.closes_at_event:
-        word, turn, k = _away_from_ends(equations, turn, k)
-    else:
-        word = equations.word
-    if not 0 < k < len(word) - (not word.closes_at_event):
-        return []
-    wiring, mode, paths = equations.legs.tables.wiring, word.modes[k], list(word.paths)
-    first, second = paths[k - 1], paths[k]
-    alone = len(first) == len(second) == 1 and first != second and word.modes[k - 1] == mode
-    if not alone or any(
-        int(wiring.exits["target"][mode, path[0]]) != mode for path in (first, second)
-    ):
-        return []
-    paths[k - 1], paths[k] = second, first
-    new, states = Word(word.modes, tuple(paths)), turn.states.copy()
-    before = equations.legs.follow(word, turn.states, turn.instants).nexts[k].copy()
-    states[k] = equations.legs.follow(new, turn.states, turn.instants).nexts[k - 1]
-    behind = equations.legs.follow(new, states, turn.instants).nexts[k].copy()
-    sizes = np.abs(turn.states).max(axis=0)
-    if np.any(np.abs(behind - before) > GONE * sizes):
-        return []
-    return [Change("section", Guess(new, Turn(states, turn.instants)), f"leg:{k}")]
-
-
-def _by_other_side(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
-    """Two surfaces are crossed at once, as leg k between them lasts no time: in the other order.
-
-    Behind the first one the orbit is in another cell then.
-    """
-    word, turn, k = _away_from_ends(equations, turn, k)
-    wiring = equations.legs.tables.wiring
-    if not 0 < k < len(word) - 1:
-        return []
-    before, behind, (first, second) = (
-        word.modes[k - 1],
-        word.modes[k + 1],
-        word.paths[k - 1 : k + 1],
-    )
-    crossed = ((before, first), (word.modes[k], second))
-    if any(len(path) != 1 or wiring.resets(mode, path[0]) for mode, path in crossed):
-        return []
-    found = []
-    for out, middle in enumerate(targets_of_cell(wiring, before)):
-        if middle in (before, word.modes[k], behind, -1) or wiring.resets(before, out):
-            continue
-        for on, there in enumerate(targets_of_cell(wiring, middle)):
-            if there == behind and not wiring.resets(middle, on):
-                modes = (*word.modes[:k], middle, *word.modes[k + 1 :])
-                paths = (*word.paths[: k - 1], (out,), (on,), *word.paths[k + 1 :])
-                found.append(Change("corner", Guess(Word(modes, paths), turn), f"leg:{k}"))
-    return found
-
-
 def _entry_test(wiring: Wiring, place: int, mode: int, path: tuple[int, ...], beyond: int) -> str:
     """Test of the guard through which motion would leave a surface to the cell beyond it."""
     cell = modes_along(wiring, mode, path)[-1]
@@ -354,7 +301,7 @@ def _with_leg_of_path(equations: OrbitEquations, turn: Turn, k: int, j: int) -> 
     path = word.paths[k]
     wiring = equations.legs.tables.wiring
     mode = modes_along(wiring, word.modes[k], path[:j])[-1]
-    guess = _with_leg(equations, turn, k, path[:j], mode, path[j:])
+    guess = with_leg(equations, turn, k, path[:j], mode, path[j:])
     test = "short" if is_graze(guess.word, wiring, k + 1) else "leg"
     kind = kind_of_leg(wiring, word.modes[k], path[:j], mode, path[j:])
     return Change(kind or "gained", guess, f"{test}:{k + 1}")
@@ -371,7 +318,7 @@ def _over_surface(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list
     away = int(wiring.exits["target"][mode, jump])
     path = (*word.paths[k], jump)
     return [
-        Change("gained", _with_leg(equations, turn, k, path, away, back), f"leg:{k + 1}")
+        Change("gained", with_leg(equations, turn, k, path, away, back), f"leg:{k + 1}")
         for back in shortest_paths(wiring, away, mode)
     ]
 
@@ -493,10 +440,8 @@ def _away_from_ends(equations: OrbitEquations, turn: Turn, k: int) -> tuple[Word
 
 def _begun_at_leg(word: Word, turn: Turn, k: int) -> tuple[Word, Turn]:
     """The same turn of a word that closes at an event, begun with leg k."""
-    order = [(i + k) % len(word) for i in range(len(word))]
-    new = Word(tuple(word.modes[i] for i in order), tuple(word.paths[i] for i in order))
-    instants = np.concatenate([[0.0], np.cumsum(turn.durations[order])])
-    return new, Turn(turn.states[order], instants)
+    instants = np.concatenate([[0.0], np.cumsum(np.roll(turn.durations, -k))])
+    return word.begun_at(k), Turn(np.roll(turn.states, -k, axis=0), instants)
 
 
 def _without_event(equations: OrbitEquations, turn: Turn, k: int) -> list[Change]:
@@ -543,10 +488,27 @@ def _are_touched(equations: OrbitEquations, turn: Turn, k: int, exits: tuple[int
     return bool(np.all(np.abs(found.guard_rate) <= _SLOW * speeds))
 
 
+def _one_by_one(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
+    """Exits that leg k passes at one instant, as those of equal machines, where g comes first."""
+    found = []
+    word, wiring = equations.word, equations.legs.tables.wiring
+    for j in range(1, len(word.paths[k])):
+        first, second = word.paths[k][:j], word.paths[k][j:]
+        middle = modes_along(wiring, word.modes[k], first)[-1]
+        new, there = with_leg(equations, turn, k, first, middle, second)
+        for change in in_other_order(equations.of_word(new, there.states[0]), there, k + 1):
+            if change.guess.word.paths[k][0] == g:
+                found.append(replace(change, kind="corner"))
+    return found
+
+
 def _with_event_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
     """Guard g is touched just where leg k ends: its impact comes first, and the exits behind it."""
     word, wiring = equations.word, equations.legs.tables.wiring
     mode = word.modes[k]
+    one_by_one = _one_by_one(equations, turn, k, g)
+    if one_by_one:
+        return one_by_one
     path = (g, *with_jump(wiring, mode, word.paths[k]))
     leads_back = int(wiring.exits["target"][mode, g]) == mode
     if not leads_back:
