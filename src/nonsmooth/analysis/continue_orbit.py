@@ -18,7 +18,12 @@ from nonsmooth.analysis.orbit_search.branches import (
 )
 from nonsmooth.analysis.orbit_search.options import period_of, read_wanted, said_of_options
 from nonsmooth.errors import NonsmoothError, OptionError, is_known, unknown_name
-from nonsmooth.periodic_orbits.branch_crossing import Crossing, arm, crossing_at, crossing_at_flip
+from nonsmooth.periodic_orbits.branch_crossing import (
+    BranchCrossing,
+    arm,
+    crossing_at,
+    crossing_at_flip,
+)
 from nonsmooth.periodic_orbits.branch_part import BranchPart, Followed
 from nonsmooth.periodic_orbits.branch_run import follow_orbits
 from nonsmooth.periodic_orbits.branch_start import doubled_start, tangent_at
@@ -295,9 +300,7 @@ def read_branch_options(
         initial, beginning = _at_special(initial, special, parameter)
     if shared.parameters is None and is_orbit(initial) and isinstance(base, System):
         shared = replace(shared, parameters=carried_parameters(base, initial) or None)
-    if special is not None:
-        shared = _at_value(shared, parameter, float(initial[parameter]))
-    elif is_orbit(initial) and parameter in initial and initial[parameter].ndim == 0:
+    if is_orbit(initial) and parameter in initial and initial[parameter].ndim == 0:
         shared = _at_value(shared, parameter, float(initial[parameter]))
     if is_orbit(initial) and whole_number("period", period) == 1:
         period = period_of(initial) * (2 if beginning.kind == "flip" else 1)
@@ -539,7 +542,7 @@ def _crossing(
     return partial(_arm, options, crossing)
 
 
-def _arm(options: BranchOptions, crossing: Crossing, way: float) -> BranchStart:
+def _arm(options: BranchOptions, crossing: BranchCrossing, way: float) -> BranchStart:
     try:
         return arm(options, crossing, way)
     except NonsmoothError as fault:

@@ -29,7 +29,7 @@ from nonsmooth.periodic_orbits.touches import GONE
 from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.periodic_orbits.word_change import with_leg
 
-__all__ = ["Crossing", "arm", "crossing_at", "crossing_at_flip"]
+__all__ = ["BranchCrossing", "arm", "crossing_at", "crossing_at_flip"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -39,7 +39,7 @@ _TOGETHER = 1e-6  # of the largest change of an instant: exits that stay at one 
 
 
 @dataclass(frozen=True)
-class Crossing:
+class BranchCrossing:
     """A point where two branches cross, with the direction of the one that is known."""
 
     equations: OrbitEquations
@@ -59,7 +59,7 @@ class Crossing:
         stretch.set_parameter(self.value)
         return BranchStart(equations, np.asarray(found.u), float(found.p), found.directions[1])
 
-    def with_order(self, guess: Guess) -> Crossing:
+    def with_order(self, guess: Guess) -> BranchCrossing:
         """The same with events of one instant in another order, of which the known branch has none.
 
         Of the directions along which the equations vanish it is the one along which the states of
@@ -83,13 +83,13 @@ class Crossing:
         places = np.append(places, unknowns.size)
         found = free @ np.linalg.lstsq(free[places], known, rcond=None)[0]
         direction = found[:-1] * scale, float(found[-1])
-        return Crossing(equations, guess.turn, self.value, direction)
+        return BranchCrossing(equations, guess.turn, self.value, direction)
 
 
 def crossing_at(
     options: BranchOptions, equations: OrbitEquations, guess: Guess, value: float,
     neighbour: tuple[Guess, float] | None,
-) -> Crossing:  # fmt: skip
+) -> BranchCrossing:  # fmt: skip
     """The crossing at an orbit, from another orbit of the known branch, if there is one.
 
     The legs of the equations stand for the parameter there, and do so again.
@@ -105,12 +105,12 @@ def crossing_at(
         stretch.set_parameter(value)
         if there.word == whole.word:
             known = split.pack(there.turn) - unknowns, elsewhere - value
-    return Crossing(split, whole.turn, value, known)
+    return BranchCrossing(split, whole.turn, value, known)
 
 
 def crossing_at_flip(
     options: BranchOptions, once: OrbitEquations, guess: Guess, start: BranchStart
-) -> Crossing | None:
+) -> BranchCrossing | None:
     """The crossing of the doubled branch with the orbit passed twice; None where exits are alone.
 
     It is a flip of what tells equal machines apart: each is the first one in every other turn.
@@ -128,7 +128,7 @@ def crossing_at_flip(
     there = _with_each_exit(twice, passed_twice(options, once.legs, beside))
     known = split.pack(there.turn) - split.pack(whole.turn), step * dp
     stretch.set_parameter(start.value)
-    return Crossing(split, whole.turn, start.value, known)
+    return BranchCrossing(split, whole.turn, start.value, known)
 
 
 def _with_each_exit(equations: OrbitEquations, guess: Guess) -> Guess:
@@ -149,7 +149,7 @@ def _with_each_exit(equations: OrbitEquations, guess: Guess) -> Guess:
     return guess
 
 
-def arm(options: BranchOptions, crossing: Crossing, way: float) -> BranchStart:
+def arm(options: BranchOptions, crossing: BranchCrossing, way: float) -> BranchStart:
     """The start of the other branch at a crossing, towards one of its ends.
 
     The exits of one instant come in the order in which the branch takes them apart; those that
