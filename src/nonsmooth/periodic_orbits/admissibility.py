@@ -30,6 +30,8 @@ from nonsmooth.engine.lanes import (
 from nonsmooth.engine.status import EventKind, Status
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.legs import LegError, Legs
+from nonsmooth.periodic_orbits.onto import chatters
+from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
 from nonsmooth.runs.labels import labels_of
 
@@ -67,8 +69,8 @@ class _Expected(NamedTuple):
     equations: OrbitEquations
     instants: Floats
     allowed: Floats
-    states: Floats  # where each leg begins
-    rates: Floats  # and their rates there
+    turn: Turn
+    rates: Floats  # of the states where each leg begins
     tolerance: float
 
     def leads_there(self, lanes: _Lanes, j: int, k: int) -> bool:
@@ -76,11 +78,11 @@ class _Expected(NamedTuple):
 
         Of several guards that are zero at one instant rounding decides which one is the first.
         """
-        following = (k + 1) % len(self.states)
+        states, following = self.turn.states, (k + 1) % len(self.turn.states)
         if lanes.anchors.place["mode"][j] != self.equations.word.modes[following]:
             return False
-        apart = np.abs(lanes.anchors.state[j] - self.states[following])
-        allowed = _SAME * np.abs(self.states).max(axis=0)
+        apart = np.abs(lanes.anchors.state[j] - states[following])
+        allowed = _SAME * np.abs(states).max(axis=0)
         allowed += np.abs(self.rates[following]) * self.allowed[k]
         return bool(np.all((apart <= allowed) | self.equations.drifting))
 
@@ -117,19 +119,20 @@ def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) ->
     hidden = _hidden(lanes, turn)
     passed = np.flatnonzero(~hidden)
     expected = _Expected(
-        equations, turn.instants[1 : 1 + count].copy(), allowed, turn.states, rates, tolerance
+        equations, turn.instants[1 : 1 + count].copy(), allowed, turn, rates, tolerance
     )
     lanes = _some(lanes, passed)
-    found = _compare(expected, lanes, passed, 1)
+    found, goes_on = _compare(expected, lanes, passed, 1)
     expected.instants[0] += length
+    passed, lanes = passed[goes_on], _some(lanes, np.flatnonzero(goes_on))
     while found.admissible and passed.size:
         # on from behind each event, from the state of the construction there
         lanes = _behind(legs, lanes, turn, passed)
         _run(legs, lanes, np.full(passed.size, GOES_ON), end + length, tolerance)
         later = (passed + 1) % count
-        found = _compare(expected, lanes, later, 0)
+        found, goes_on = _compare(expected, lanes, later, 0)
         # and on through legs that none has begun in
-        onward = np.flatnonzero(hidden[later])
+        onward = np.flatnonzero(hidden[later] & goes_on)
         passed, lanes = later[onward], _some(lanes, onward)
     return found
 
@@ -237,23 +240,27 @@ def _run(legs: Legs, lanes: _Lanes, how: Integers, end: float, tolerance: float)
         )  # fmt: skip
 
 
-def _compare(expected: _Expected, lanes: _Lanes, ends: Integers, row: int) -> Admissibility:
-    """Whether each lane has passed the event that ends its leg; it is in that row of its log."""
+def _compare(
+    expected: _Expected, lanes: _Lanes, ends: Integers, row: int
+) -> tuple[Admissibility, npt.NDArray[np.bool_]]:
+    """Whether each lane has passed the event that ends its leg; it is in that row of its log.
+
+    And the lanes that have passed just this event, and may go on from there.
+    """
     equations, records = expected.equations, lanes.records
     rows = records.events[:, row]
     times = rows["number"] * equations.legs.window + rows["phase"]
-    if (
-        np.all(records.counters["events"] == row + 1)
-        and np.all(rows["kind"] != EventKind.GRAZE)
-        and np.all(rows["path"] == equations.word.path_bits[ends])
-        and np.all(np.abs(times - expected.instants[ends]) <= expected.allowed[ends])
-    ):
-        return Admissibility(True)
-    for j, k in enumerate(ends.tolist()):
-        found = _compare_one(expected, lanes, j, k)
+    passed = (
+        (records.counters["events"] == row + 1)
+        & (rows["kind"] != EventKind.GRAZE)
+        & (rows["path"] == equations.word.path_bits[ends])
+        & (np.abs(times - expected.instants[ends]) <= expected.allowed[ends])
+    )
+    for j in np.flatnonzero(~passed).tolist():
+        found, passed[j] = _compare_one(expected, lanes, j, int(ends[j]))
         if not found.admissible:
-            return found
-    return Admissibility(True)
+            return found, passed
+    return Admissibility(True), passed
 
 
 def _first_event(lanes: _Lanes, j: int) -> int:
@@ -264,21 +271,36 @@ def _first_event(lanes: _Lanes, j: int) -> int:
     return int(rows[0]) if rows.size else -1
 
 
-def _compare_one(expected: _Expected, lanes: _Lanes, j: int, k: int) -> Admissibility:
-    """Whether the first event of lane j is the one that ends leg k, at the expected instant."""
+def _compare_one(expected: _Expected, lanes: _Lanes, j: int, k: int) -> tuple[Admissibility, bool]:
+    """Whether the first event of lane j is the one that ends leg k, at the expected instant.
+
+    And whether it has come behind all of it.
+    """
     equations, row = expected.equations, _first_event(lanes, j)
     if row >= 0:
-        event = lanes.records.events[j, row]
+        event, wanted = lanes.records.events[j, row], equations.word.paths[k]
         path = path_of_bits(int(event["path"]), int(event["passes"]))
         late = abs(_instant(equations, lanes, j, row) - float(expected.instants[k]))
-        wanted = equations.word.paths[k]
-        if late <= expected.allowed[k] and (
-            path == wanted
-            or (len(path or ()) > 1 and expected.leads_there(lanes, j, k))
-            or (len(path or ()) < len(wanted) and _one_by_one(expected, lanes, j, k))
-        ):
-            return Admissibility(True)
-    return _instead(equations, lanes, j, k, row)
+        if late <= expected.allowed[k]:
+            if path == wanted or (len(path or ()) > 1 and expected.leads_there(lanes, j, k)):
+                return Admissibility(True), True
+            if len(path or ()) < len(wanted) and _one_by_one(expected, lanes, j, k):
+                return Admissibility(True), False
+    if _rests_as_well(expected, k):
+        return Admissibility(True), False
+    return _instead(equations, lanes, j, k, row), False
+
+
+def _rests_as_well(expected: _Expected, k: int) -> bool:
+    """Whether leg k is a rebound before rest, of which the engine follows as many.
+
+    From the middle of one it may take another number, where that is about to change.
+    """
+    word, wiring = expected.equations.word, expected.equations.legs.tables.wiring
+    if not any(k in legs for legs in chatters(word.modes, word.paths, wiring)):
+        return False
+    guess = with_rebounds_of_engine(expected.equations, expected.turn, expected.tolerance)
+    return guess is not None and guess.word == word
 
 
 def _one_by_one(expected: _Expected, lanes: _Lanes, j: int, k: int) -> bool:

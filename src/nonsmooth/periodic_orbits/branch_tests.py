@@ -526,7 +526,7 @@ class BranchTests:
     def _with_other_rebounds(self, turn: Turn) -> tuple[OrbitEquations, Floats] | None:
         """The orbit of the word whose rebounds before rest are those of the engine."""
         guess = with_rebounds_of_engine(self.equations, turn, self.tolerance)
-        if guess is None:
+        if guess is None or guess.word == self.equations.word:
             return None
         equations = self.equations.of_word(guess.word, guess.turn.states[0])
         try:

@@ -28,9 +28,9 @@ _MOST = 2000  # rebounds that are followed
 def with_rebounds_of_engine(
     equations: OrbitEquations, turn: Turn, tolerance: float
 ) -> Guess | None:
-    """The orbit with as many rebounds in each chatter as the engine follows; None where it has so.
+    """The orbit with as many rebounds in each chatter as the engine follows from the first of them.
 
-    None too where the motion does not come to rest as the orbit does.
+    None where the motion does not come to rest as the orbit does.
     """
     word, wiring = equations.word, equations.legs.tables.wiring
     found = Guess(word, turn)
@@ -43,7 +43,7 @@ def with_rebounds_of_engine(
         if changed is None:
             return None
         found = changed
-    return None if found.word == word else found
+    return found
 
 
 def _followed(

@@ -256,7 +256,7 @@ def _with_other_rebounds(
     """The orbit with as many rebounds before rest as the motion has."""
     assert found.orbit is not None and found.equations is not None
     guess = with_rebounds_of_engine(found.equations, found.orbit.turn, wanted.tolerance)
-    if guess is None:
+    if guess is None or guess.word == found.equations.word:
         return None
     equations = equations_for(wanted, legs, guess)
     solution = solve_orbit(equations, equations.pack(guess.turn))
