@@ -61,21 +61,30 @@ inline double change_of_row(const Tables& tables, const Rates& rates, const Tang
     return change;
 }
 
-// Columns, in tangent.columns, taken to the surface where exit e of mode m fires.
-inline void start_saltation(const Tables& tables, const Rates& rates, const Segment& segment,
-                            const Tangent& tangent, Index m, Index e) {
+// Columns taken on to the surface of exit e of mode m, met by itself at the same instant.
+inline void go_on_to_surface(const Tables& tables, const Rates& rates, const Segment& segment,
+                             const Tangent& tangent, Index m, Index e) {
     const double* z = segment.z.data;
     const double* velocity = tangent.velocity.data;
     const Index row = guard_row(e, 0), size = tables.size();
     fill_velocity(tables, m, z, tangent.velocity.data);
-    if (tangent.measures()) turn_along_guard(tangent, &tables.affine(m, row, 0), tables.n());
     const double rate = product(&tables.affine(m, row, 0), velocity, size);
     for (Index c = 0; c < tangent.count(); ++c) {
         const double shift = change_of_row(tables, rates, tangent, m, row, c, z) / rate;
-        tangent.shifts(0, c) = shift;
-        tangent.shifts(1, c) = 0.0;
+        tangent.shifts(1, c) += shift;
         for (Index i = 0; i < size; ++i) tangent.columns(c, i) -= velocity[i] * shift;
     }
+}
+
+// Columns, in tangent.columns, taken to the surface where exit e of mode m fires.
+inline void start_saltation(const Tables& tables, const Rates& rates, const Segment& segment,
+                            const Tangent& tangent, Index m, Index e) {
+    const double* gradient = &tables.affine(m, guard_row(e, 0), 0);
+    if (tangent.measures()) turn_along_guard(tangent, gradient, tables.n());
+    fill(tangent.shifts[1], 0.0);
+    go_on_to_surface(tables, rates, segment, tangent, m, e);
+    copy(tangent.shifts[1], tangent.shifts[0]);
+    fill(tangent.shifts[1], 0.0);
 }
 
 // Carry the columns through the reset of an exit; segment.z is still that before it.
@@ -106,21 +115,6 @@ inline void relate_columns(const Tables& tables, const Rates& rates, const Segme
             tangent.columns(c, i) =
                 change_of_row(tables, rates, tangent, m, row, c, segment.z.data);
         }
-    }
-}
-
-// Columns taken on to the surface of exit e of mode m, met by itself at the same instant.
-inline void go_on_to_surface(const Tables& tables, const Rates& rates, const Segment& segment,
-                             const Tangent& tangent, Index m, Index e) {
-    const double* z = segment.z.data;
-    const double* velocity = tangent.velocity.data;
-    const Index row = guard_row(e, 0), size = tables.size();
-    fill_velocity(tables, m, z, tangent.velocity.data);
-    const double rate = product(&tables.affine(m, row, 0), velocity, size);
-    for (Index c = 0; c < tangent.count(); ++c) {
-        const double shift = change_of_row(tables, rates, tangent, m, row, c, z) / rate;
-        tangent.shifts(1, c) += shift;
-        for (Index i = 0; i < size; ++i) tangent.columns(c, i) -= velocity[i] * shift;
     }
 }
 
