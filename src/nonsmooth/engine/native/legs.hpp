@@ -73,22 +73,49 @@ inline void relate_both(const Tables& tables, Index m, double* z, double* moved)
     }
 }
 
-// Whether a later exit of a path is met in time, and not because of those before it: its guard is
-// zero, and what they leave free changes it. size is what the guard comes to.
-inline bool is_met_by_itself(const Tables& tables, const Segment& segment, Index m, Index e,
-                             double size) {
-    constexpr double zero = 1e-9;  // part of the size: less is left on an orbit
+// Product of a row and a state before, the other coordinates being those of now.
+inline double product_before(const Tables& tables, const double* row, const double* states,
+                             const double* z) {
+    const Index n = tables.n();
+    return product(row, states, n) + product(row + n, z + n, tables.size() - n);
+}
+
+// Whether mode m has a guard that is this row, and near zero at states before.
+inline bool has_guard(const Tables& tables, Index m, const double* row, const Segment& segment,
+                      const double* states, double size) {
+    constexpr double same = 1e-12, near = 0.05;  // parts of the size
+    for (Index g = 0; g < mode_wiring(tables, m).n_exits; ++g) {
+        const double* other = guard_coefficients(tables, m, g, 0);
+        double apart = 0.0;
+        for (Index i = 0; i < tables.size(); ++i) {
+            apart += std::fabs(other[i] - row[i]) * segment.scale[i];
+        }
+        if (apart > same * size) continue;
+        return std::fabs(product_before(tables, other, states, segment.z.data)) <= near * size;
+    }
+    return false;
+}
+
+// Whether a later exit of a path is met in time, and not because of those before it: its guard
+// belongs to the mode before all of them as well and does not jump, and what they leave free changes
+// it. size is what the guard comes to, states are those at the end of the leg, and segment.mark those
+// before the last reset.
+inline bool is_met_by_itself(const Tables& tables, const Segment& segment, Index first, Index m,
+                             Index e, const double* states, double size) {
+    constexpr double jumps = 1e-9;  // part of the size
     if (e >= mode_wiring(tables, m).n_exits) return false;
-    const double* row = guard_coefficients(tables, m, e, 0);
-    if (std::fabs(product(row, segment.z.data, tables.size())) > zero * size) return false;
-    return zero_order(tables, m, e, directions_of(segment)) == 0;
+    const double *row = guard_coefficients(tables, m, e, 0), *z = segment.z.data;
+    const double before = product_before(tables, row, segment.mark.data, z);
+    if (std::fabs(product(row, z, tables.size()) - before) > jumps * size) return false;
+    return has_guard(tables, first, row, segment, states, size) &&
+           zero_order(tables, m, e, directions_of(segment)) == 0;
 }
 
 // Whether a guard falls through zero at an instant of its own, in the duration in which it comes to
 // its size: where it is only touched there is none.
 inline bool falls_in_time(double value, double rate, double size, double duration) {
     constexpr double slow = 1e-7;  // part of the size
-    constexpr double late = 1e-3;  // part of the duration by which that is another instant
+    constexpr double late = 0.05;  // part of the duration by which that is another instant
     const double falls = -rate * duration;
     return falls > slow * size && std::fabs(value) <= late * falls;
 }
@@ -104,14 +131,14 @@ struct Moved {
 // is; met_rate becomes the rate of its guard. segment.scale tells how far coordinates move in the
 // duration.
 inline void meet_exit(const Tables& tables, const Rates& rates, const Segment& segment,
-                      const Tangent& tangent, Index m, Index e, double duration, Moved& moved,
-                      double& met_rate) {
+                      const Tangent& tangent, Index first, Index m, Index e,
+                      const double* states, double duration, Moved& moved, double& met_rate) {
     const Index size = tables.size();
     const double* row = guard_coefficients(tables, m, e, 0);
     double* z = segment.z.data;
     double largest = 0.0;
     for (Index i = 0; i < size; ++i) largest += std::fabs(row[i]) * segment.scale[i];
-    if (!is_met_by_itself(tables, segment, m, e, largest)) return;
+    if (!is_met_by_itself(tables, segment, first, m, e, states, largest)) return;
     met_rate = rate_of_guard(tables, m, e, z);
     if (!falls_in_time(product(row, z, size), met_rate, largest, duration)) return;
     go_on_to_surface(tables, rates, segment, tangent, m, e);
@@ -157,11 +184,12 @@ inline bool pass_path(const Tables& tables, const Rates& rates, const Segment& s
         if (e < 0) break;
         results.passed(k, step) = product(guard_coefficients(tables, m, e, 0), z, size);
         if (step > 0) {
-            meet_exit(tables, rates, segment, tangent, m, e, duration, moved,
-                      results.passed_rate(k, step));
+            meet_exit(tables, rates, segment, tangent, legs.modes[k], m, e, &results.ends(k, 0),
+                      duration, moved, results.passed_rate(k, step));
         }
         push_columns(tables, rates, segment, tangent, m, e);
         if (has_several) push_reset(tables, m, e, directions_of(segment));
+        copy(z, segment.mark.data, n);
         reset_vector(tables, m, e, z, segment.spare.data);
         reset_vector(tables, m, e, moved.rate, segment.spare.data);
         m = exit_wiring(tables, m, e).target;
