@@ -477,14 +477,21 @@ class BranchTests:
                     apart = min(margin / max(near, _EPS), _MOST_ROUNDING)
                     tests[name] = 0.0 if abs(tests[name]) <= apart else tests[name]
                 tests[name] += margin
-        self._clear |= {name for name, value in tests.items() if abs(value) > _ZERO}
-        kept = {name: value for name, value in tests.items() if name in self._clear}
-        self._quiet = {
-            name: value
-            for name, value in tests.items()
-            if name not in kept and what_of(name) in ("gain", "corner")
+        # rounding parts what is met at one instant by more where a multiplier is near 1
+        apart = min(_ZERO / max(near, _EPS), _MOST_ROUNDING)
+        several = {
+            name
+            for name in tests
+            if what_of(name) in ("gain", "corner")
             if len(word.paths[int(name.split(":")[1])]) > 1
         }
+        self._clear |= {
+            name
+            for name, value in tests.items()
+            if abs(value) > (apart if name in several else _ZERO)
+        }
+        kept = {name: value for name, value in tests.items() if name in self._clear}
+        self._quiet = {name: tests[name] for name in several - kept.keys()}
         return kept, faded
 
     def counts(self, name: str) -> bool:

@@ -29,6 +29,7 @@ from nonsmooth.periodic_orbits.branch_part import (
 )
 from nonsmooth.periodic_orbits.branch_start import is_crossed, tangent_at
 from nonsmooth.periodic_orbits.branch_tests import Looked, broken_tests, is_of_word, what_of
+from nonsmooth.periodic_orbits.crossing_place import at_crossing
 from nonsmooth.periodic_orbits.cycle_end import (
     NEARLY,
     NOTHING,
@@ -350,6 +351,7 @@ class StretchWalk:
     def _ordinary(self, point: Point, looked: Looked) -> Iterator[BranchPart]:
         """A point at which the word stays; the stretch ends where its orbits have outgrown it."""
         self._before = looked.tests
+        point, looked = self._at_its_place(point, looked)
         if self._stands is not None:
             for there, at_strobe in orbits_at_strobes(self.stretch, self._stands, (point, looked)):
                 part = self._part(at_strobe, there, "", "")
@@ -375,6 +377,19 @@ class StretchWalk:
                 yield end
             elif new:
                 self.following = self._goes_on_at(point, (point.tangent_u, point.tangent_p))
+
+    def _at_its_place(self, point: Point, looked: Looked) -> tuple[Point, Looked]:
+        """A crossing of branches as exactly as orbits beside it tell; others as they are."""
+        if point.special != "branch_point" or self._stands is None:
+            return point, looked
+        self.stretch.set_parameter(point.p)
+        equations, turn = self.stretch.equations, looked.turn
+        found = equations.legs.follow(equations.word, turn.states, turn.instants)
+        if not self.stretch.one_by_one and not found.passed_rate.any():
+            return point, looked  # there are equations that are regular there
+        there = at_crossing(self.stretch, point, self._stands[0])
+        self.stretch.set_parameter(point.p if there is None else there.p)
+        return (point, looked) if there is None else (there, self.stretch.look(there))
 
     def _needs_new_measures(self, point: Point) -> bool:
         """Whether steps are measured by another size, or the cycle passes its plane too flat."""

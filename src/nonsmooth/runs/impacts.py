@@ -6,6 +6,7 @@ reset. One row of the log may hold several of them, as where two balls arrive at
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -16,7 +17,7 @@ from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.tables import exits_of_path
 from nonsmooth.system.system import System
 
-__all__ = ["Impacts", "happened", "impacts_of"]
+__all__ = ["Impacts", "happened", "impacts_of", "rows_passing"]
 
 Integers = npt.NDArray[np.int64]
 _WORD = "impact"
@@ -55,10 +56,7 @@ class Impacts:
         found = np.zeros(rows.size, np.int64)
         one, several = rows["passes"] == 1, rows["passes"] > 1
         found[one] = self._is_impact[rows["from_mode"][one], rows["exit"][one]]
-        kinds = columns(rows[several], "from_mode", "path", "passes")
-        distinct, which = np.unique(kinds, axis=0, return_inverse=True)
-        along = np.array([self._along(*map(int, kind)) for kind in distinct], np.int64)
-        found[several] = along[which.ravel()]
+        found[several] = _by_kind(rows[several], self._along)
         return found
 
     def _along(self, mode: int, path: int, passes: int) -> int:
@@ -69,6 +67,34 @@ class Impacts:
             count += int(self._is_impact[mode, way] and not belongs)
             mode = int(self._targets[mode, way])
         return count
+
+
+def rows_passing(system: System, rows: Rows, exits: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Which rows of an event log pass one of some exits, the first one of an instant or not, (r,).
+
+    shapes: exits (m, e)
+    """
+    targets = system.compiled.program.wiring.exits["target"]
+
+    def passes(mode: int, path: int, count: int) -> int:
+        for way in exits_of_path(path, count):
+            if way < exits.shape[1] and exits[mode, way]:
+                return 1
+            mode = int(targets[mode, way])
+        return 0
+
+    found = (rows["exit"] >= 0) & exits[rows["from_mode"], rows["exit"]]
+    several = (rows["passes"] > 1) & ~found
+    found[several] = _by_kind(rows[several], passes) > 0
+    return np.asarray(found)
+
+
+def _by_kind(rows: Rows, told: Callable[[int, int, int], int]) -> Integers:
+    """What is told of each row by its mode and path, asked once for rows that are alike."""
+    kinds = columns(rows, "from_mode", "path", "passes")
+    distinct, which = np.unique(kinds, axis=0, return_inverse=True)
+    each = np.array([told(*map(int, kind)) for kind in distinct], np.int64)
+    return np.asarray(each[which.ravel()])
 
 
 @lru_cache(maxsize=32)

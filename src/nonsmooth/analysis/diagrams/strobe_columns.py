@@ -13,6 +13,7 @@ from nonsmooth.analysis.passed_events import PassedEvents
 from nonsmooth.analysis.settle import Group
 from nonsmooth.analysis.statistics.periodicity import whole_periods
 from nonsmooth.engine.status import Status
+from nonsmooth.runs.impacts import rows_passing
 from nonsmooth.runs.outputs import SweptClock, output_values
 from nonsmooth.runs.sweep_runner import Recorded
 
@@ -116,7 +117,7 @@ class _Judged:
     def _events(self, exits: Bools) -> tuple[Integers, Floats, Integers, Floats, Integers]:
         """Number of chosen events in each column, and the states before or behind all of them."""
         rows, after = self._recorded.rows, self._protocol.after
-        chosen = (rows["exit"] >= 0) & exits[rows["from_mode"], rows["exit"]]
+        chosen = rows_passing(self._protocol.system, rows, exits)
         chosen &= self._done[self._passed.motion]
         return (
             np.bincount(self._passed.motion[chosen], minlength=self._done.size),

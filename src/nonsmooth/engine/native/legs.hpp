@@ -127,30 +127,69 @@ struct Moved {
     double later = 0.0, later_rate = 0.0;
 };
 
+// What the rates of mode m at z change by with column c, which may be that of a parameter.
+inline void turn_column(const Tables& tables, const Rates& rates, const Tangent& tangent, Index m,
+                        Index c, const double* z, double* turned) {
+    const Index n = tables.n(), size = tables.size();
+    fill_velocity(tables, m, &tangent.columns(c, 0), turned);
+    if (c < n) return;
+    for (Index i = 0; i < n; ++i) {
+        turned[i] += product(&rates.generator(c - n, m, i, 0), z, size);
+    }
+}
+
 // Take state and derivatives to the instant at which a later exit e of mode m is met by itself, if it
 // is; met_rate becomes the rate of its guard. segment.scale tells how far coordinates move in the
-// duration.
+// duration. The instant is off by `later`, up to first order, which counts where derivatives of these
+// derivatives are taken.
 inline void meet_exit(const Tables& tables, const Rates& rates, const Segment& segment,
                       const Tangent& tangent, Index first, Index m, Index e,
                       const double* states, double duration, Moved& moved, double& met_rate) {
-    const Index size = tables.size();
+    const Index n = tables.n(), size = tables.size();
     const double* row = guard_coefficients(tables, m, e, 0);
-    double* z = segment.z.data;
+    double *z = segment.z.data, *turned = segment.spare.data, *velocity = tangent.velocity.data;
     double largest = 0.0;
     for (Index i = 0; i < size; ++i) largest += std::fabs(row[i]) * segment.scale[i];
     if (!is_met_by_itself(tables, segment, first, m, e, states, largest)) return;
     met_rate = rate_of_guard(tables, m, e, z);
-    if (!falls_in_time(product(row, z, size), met_rate, largest, duration)) return;
-    go_on_to_surface(tables, rates, segment, tangent, m, e);
-    const double* velocity = tangent.velocity.data;
     const double later = product(row, z, size) / met_rate;
-    const double later_rate = product(row, moved.rate, size) / met_rate;
-    moved.later += later;
-    moved.later_rate += later_rate;
-    for (Index i = 0; i < size; ++i) {
-        z[i] -= velocity[i] * later;
-        moved.rate[i] -= velocity[i] * later_rate;
+    if (!falls_in_time(product(row, z, size), met_rate, largest, duration)) return;
+    fill_velocity(tables, m, z, velocity);
+    const auto take = [&](double* vector, double change) {
+        const double shift = (change - later * product(row, turned, size)) / met_rate;
+        for (Index i = 0; i < size; ++i) vector[i] -= velocity[i] * shift + later * turned[i];
+        return shift;
+    };
+    for (Index c = 0; c < tangent.count(); ++c) {
+        double change = change_of_row(tables, rates, tangent, m, guard_row(e, 0), c, z);
+        if (c >= n) {  // its row depends on the parameter, so that its rate does
+            change -= later * product(&rates.affine(c - n, m, guard_row(e, 0), 0), velocity, size);
+        }
+        turn_column(tables, rates, tangent, m, c, z, turned);
+        tangent.shifts(1, c) += take(&tangent.columns(c, 0), change);
     }
+    fill_velocity(tables, m, moved.rate, turned);
+    moved.later_rate += take(moved.rate, product(row, moved.rate, size));
+    moved.later += later;
+    for (Index i = 0; i < size; ++i) z[i] -= velocity[i] * later;
+}
+
+// Bring state and derivatives behind all exits back to the instant of the first one, in mode m.
+inline void come_back(const Tables& tables, const Rates& rates, const Segment& segment,
+                      const Tangent& tangent, Index m, const Moved& moved) {
+    const Index size = tables.size();
+    double *z = segment.z.data, *turned = segment.spare.data, *velocity = tangent.velocity.data;
+    fill_velocity(tables, m, z, velocity);
+    const auto bring = [&](double* vector, double shift) {
+        for (Index i = 0; i < size; ++i) vector[i] += velocity[i] * shift + moved.later * turned[i];
+    };
+    for (Index c = 0; c < tangent.count(); ++c) {
+        turn_column(tables, rates, tangent, m, c, z, turned);
+        bring(&tangent.columns(c, 0), tangent.shifts(1, c));
+    }
+    fill_velocity(tables, m, moved.rate, turned);
+    bring(moved.rate, moved.later_rate);
+    for (Index i = 0; i < size; ++i) z[i] += velocity[i] * moved.later;
 }
 
 // Pass the exits of leg k at one instant, with their own derivatives; false where states do not
@@ -202,13 +241,7 @@ inline bool pass_path(const Tables& tables, const Rates& rates, const Segment& s
         relate_columns(tables, rates, segment, tangent, m);
         if (has_several) push_relations(tables, m, directions_of(segment));
     }
-    if (has_several) {
-        end_saltation(tables, segment, tangent, m);
-        for (Index i = 0; i < n; ++i) {
-            z[i] += tangent.velocity[i] * moved.later;
-            moved.rate[i] += tangent.velocity[i] * moved.later_rate;
-        }
-    }
+    if (has_several) come_back(tables, rates, segment, tangent, m, moved);
     copy(z, &results.nexts(k, 0), n);
     copy(moved.rate, &results.jump_rate(k, 0), n);
     for (Index c = 0; c < tangent.count(); ++c) {
