@@ -45,6 +45,18 @@ if TYPE_CHECKING:
 
 __all__ = ["continue_orbit"]
 
+_NO_OTHER = {  # why no other branch begins at a crossing, by the status of the search
+    "no_branch_point": "its equations are not those of two branches that cross. Where several"
+    " multipliers are 1 or -1 at once, as of three equal machines in step, more branches begin"
+    " there; begin with an orbit of one of them: find_orbit from a start beside this orbit on which"
+    " the machines differ, or on a branch of a model in which those that stay in step are one",
+    "imperfect": "branches pass each other there without meeting, as where a symmetry is not exact;"
+    " begin with an orbit of the other one, from find_orbit",
+    "isolated": "the point is isolated, as where a closed branch appears; begin with an orbit"
+    " beyond it, from find_orbit",
+    "tangent": "branches touch there instead of crossing; begin with an orbit of the other one,"
+    " from find_orbit",
+}
 _CROSSINGS = ("branch_point", "symmetry_breaking", "halving")
 _SAME, _BESIDE = 1e-7, 1e-3  # in the parameter and in arclength
 
@@ -546,4 +558,5 @@ def _arm(options: BranchOptions, crossing: BranchCrossing, way: float) -> Branch
     try:
         return arm(options, crossing, way)
     except NonsmoothError as fault:
-        raise OptionError(f"no other branch was found at this point: {fault}") from None
+        why = _NO_OTHER.get(getattr(fault, "status", ""), str(fault))
+        raise OptionError(f"no other branch was found at this point: {why}") from None

@@ -117,8 +117,11 @@ def part_of(
         stretch.set_parameter(point.p)
         own = reflection(stretch.equations, looked.turn, at_crossing=True)
         looked = replace(looked, reflection=own)
-    if special == "branch_point" and is_antisymmetric(
-        stretch.equations, looked.turn, looked.reflection
+    # of several directions that are critical at once some are antisymmetric, and others are not
+    if (
+        special == "branch_point"
+        and count_at_one(looked) < 2
+        and is_antisymmetric(stretch.equations, looked.turn, looked.reflection)
     ):
         special = "symmetry_breaking"
     test = point.special if special else ""
@@ -145,6 +148,12 @@ def _at_touch(stretch: BranchStretch, looked: Looked, *, unbounded: bool) -> Flo
     if values.size and not abs(values[0]) <= UNBOUNDED:  # no number where there is no rate at all
         values[0] = np.inf
     return looked.multipliers._replace(multipliers=values)
+
+
+def count_at_one(looked: Looked) -> int:
+    """How many multipliers are 1, as far as rounding tells where branches cross."""
+    values = looked.multipliers.multipliers
+    return int(np.count_nonzero(np.abs(values - 1.0) <= _CRITICAL))
 
 
 def kind_of_crossing(looked: Looked) -> str:

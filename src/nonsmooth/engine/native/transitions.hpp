@@ -381,6 +381,11 @@ class Transition {
             int64_t& order = segment_.order[g];
             order = known;
             const bool fires = must_fire(tables_, m, g, z(), extent(), order, tolerance_);
+            // Another guard that is zero by coincidence rises now and does not fire: had it been the
+            // first one, by rounding, the motion might be another.
+            const bool rises = is_met_ && !fires && order == 1;
+            passage_.is_open =
+                passage_.is_open || (rises && first_exit_ >= 0 && passage_.passes == 1);
             // what starts on a surface that holds is held as long as it can be
             const bool held = first_exit_ < 0 && passage_.passes == 0 &&
                               exit_wiring(tables_, m, g).onto == g;
@@ -400,6 +405,7 @@ class Transition {
 
     // Order of zero of guard g that is known by the path.
     Index known_order(Index m, Index g) {
+        is_met_ = false;
         if (is_sharp_) return 0;
         Index known = OPEN;
         if (passage_.passes == 1 && first_exit_ >= 0) {
@@ -415,8 +421,8 @@ class Transition {
             known = zero_order(tables_, m, g, directions_of(segment_));
         }
         // guards met one after the other at one instant are met as exactly as the first one
-        if (known == 0 && passage_.passes > 0 && is_met_now(m, g)) known = 1;
-        return known;
+        is_met_ = known == 0 && passage_.passes > 0 && is_met_now(m, g);
+        return is_met_ ? Index(1) : known;
     }
 
     // Whether a guard is zero up to what it changes by in a time that is nothing.
@@ -491,6 +497,7 @@ class Transition {
     double tolerance_;       // part of the terms of a guard that is zero
     bool is_sharp_ = false;  // behind a circle: values alone say what is zero, and to rounding
     const bool curved_;  // rows of curved modes hold at a point: free directions go along
+    bool is_met_ = false;    // whether the guard that was looked at last is zero by coincidence
     bool shifted_ = false;  // whether columns are those on the surface of the first exit
     bool followed_;      // whether the basis holds the directions left free by the path so far
     Index e_;            // exit that fires
