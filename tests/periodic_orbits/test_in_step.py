@@ -78,7 +78,7 @@ def test_a_curve_of_flips_of_the_difference():
     system = balls(0.02, 1.2)
     branch = ns.continue_orbit(system, "G", (1.0, 2.0), initial=start(1.2))
     number = int(np.flatnonzero(branch["special_kind"].values == "flip")[-1])
-    curve = ns.continue_special(branch, number, "k", (0.019, 0.021), steps=20)
+    curve = ns.continue_special(branch, number, "k", (0.001, 0.06))
     assert curve.attrs["end_first"] == curve.attrs["end_last"] == "bound"
     for place in np.linspace(0, curve.sizes["point"] - 1, 5).astype(int):
         k, G = float(curve["k"][place]), float(curve["G"][place])
