@@ -171,3 +171,35 @@ def test_the_order_of_two_thresholds_that_decides_is_left_open():
     assert not run["certified"].values[1] and run["certified"].values[2:].all()
     beside = [ns.simulate(system, {"v1": 0.2, "v2": 0.2 + d}, t_end=5.0) for d in (1e-12, -1e-12)]
     assert [each["event_name"].values[1] for each in beside] == ["s2", "s1"]
+
+
+def compactors(groups: tuple[int, ...]) -> ns.System:
+    """Machines with soft stops on one elastic foundation; those of a group are in step."""
+    force = {
+        i: f"(2*z*(v{i} - w) + (x{i} - y) + K*max(x{i} - y - gap, 0))" for i in range(len(groups))
+    }
+    flow = {}
+    for i, each in force.items():
+        flow |= {f"x{i}": f"v{i}", f"v{i}": f"F*cos(om*t) - {each}"}
+    pushed = " + ".join(f"{count}*{force[i]}" for i, count in enumerate(groups))
+    return ns.System(
+        states=[*flow, "y", "w"],
+        parameters={
+            "F": 1.0, "om": 1.0, "z": 0.03, "gap": 0.6, "K": 8.0, "M": 4.0, "kf": 6.0, "zf": 0.05,
+        },
+        period="2*pi/om",
+        equations=flow | {"y": "w", "w": f"(-kf*y - zf*w + {pushed})/M"},
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_three_machines_graze_and_fold_as_one_does():
+    """A graze of all of them at once, 1e-6 from a fold, and another one 3e-5 from a branch point."""
+    found = []
+    for groups in ((3,), (1, 1, 1)):
+        branch = ns.continue_orbit(compactors(groups), "om", (0.69, 1.02), direction="down")
+        assert branch.attrs["end_first"] == "bound"
+        kinds, values = branch["special_kind"].values, branch["special_value"].values
+        found.append([values[kinds == kind] for kind in ("fold", "grazing")])
+    for alone, together in zip(*found, strict=True):
+        assert together == pytest.approx(alone, abs=1e-9)

@@ -273,6 +273,8 @@ class BranchTests:
                 tests["motion"] = -1.0
             if "motion" in tests or (least and kept[least] < -_AT_CHANGE):
                 admissibility = Admissibility(False, self._broken(least))
+            elif self._quiet and near < _NEARLY_ONE:
+                pass  # rounding parts what is met at one instant
             elif all(kept[name] > _AT_CHANGE for name in kept.keys() & told - faded):
                 admissibility = check_admissible(equations, turn, self.tolerance)
                 leg = admissibility.leg if admissibility.path else -1

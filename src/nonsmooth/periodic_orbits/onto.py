@@ -30,6 +30,7 @@ __all__ = [
     "kind_of_mode",
     "modes_along",
     "onto_beyond",
+    "path_through",
     "targets_of_cell",
     "with_jump",
     "without_jump",
@@ -56,6 +57,29 @@ def targets_of_cell(wiring: Wiring, cell: int) -> list[int]:
     """Modes behind the exits of a cell that are searched for."""
     found: list[int] = wiring.exits["target"][cell, : wiring.modes["n_exits"][cell]].tolist()
     return found
+
+
+def path_through(wiring: Wiring, mode: int, guards: Path) -> Path | None:
+    """The path through several surfaces of a cell one after the other; None where it is not clear.
+
+    A surface is that of the same exit in the next cell which leads there to the cell that lies
+    behind both surfaces.
+    """
+    path, here, left = [], mode, list(guards)
+    while left:
+        out = left.pop(0)
+        path.append(out)
+        targets = targets_of_cell(wiring, here)
+        behind = targets_of_cell(wiring, targets[out]) if targets[out] >= 0 else []
+        following = []
+        for guard in left:
+            beyond = set(targets_of_cell(wiring, targets[guard])) - {here, -1}
+            same = [e for e, target in enumerate(behind) if target in beyond]
+            if len(same) != 1:
+                return None
+            following.append(same[0])
+        here, left = targets[out], following
+    return tuple(path)
 
 
 def is_onto(wiring: Wiring, mode: int, e: int) -> bool:

@@ -67,6 +67,7 @@ _SHORTER = (
 )
 _AT_HALVING = ("branch_point", "fold")  # a doubled branch turns back where it has come back
 _REPEATED = 1e-5  # part of its size within which a turn repeats a shorter orbit
+_ONCE, _NEAR_ONCE = 1e-6, 1e-3  # of the range and by arclength: crossings that are one
 _IN_PROPORTION = 0.05  # part by which sizes of cycles differ from their distance from an end
 _CLOSE = 1e-4  # of a test that is about to vanish where no step succeeds any more
 _AS_FAR = 0.1  # of the way of another test, at least, of one that rises together with it
@@ -102,6 +103,7 @@ class StretchWalk:
         self._is_located = not start.located
         self._unclear = 0  # points that rounding has left open so far
         self._grows = what_of(start.grows)
+        self._crossed: Point | None = None  # the last point where branches cross
 
     def points(self, steps: int, report: Callable[[int], None]) -> Iterator[BranchPart]:
         """Points that count, in order."""
@@ -352,6 +354,8 @@ class StretchWalk:
         """A point at which the word stays; the stretch ends where its orbits have outgrown it."""
         self._before = looked.tests
         point, looked = self._at_its_place(point, looked)
+        if self._is_told(point):
+            return
         if self._stands is not None:
             for there, at_strobe in orbits_at_strobes(self.stretch, self._stands, (point, looked)):
                 part = self._part(at_strobe, there, "", "")
@@ -377,6 +381,17 @@ class StretchWalk:
                 yield end
             elif new:
                 self.following = self._goes_on_at(point, (point.tangent_u, point.tangent_p))
+
+    def _is_told(self, point: Point) -> bool:
+        """Whether branches cross where they did just before: rounding has told it twice."""
+        if point.special != "branch_point":
+            return False
+        before, (low, high) = self._crossed, self.stretch.options.bounds
+        self._crossed = point
+        return before is not None and (
+            abs(point.p - before.p) <= _ONCE * (high - low)
+            and point.arclength - before.arclength <= _NEAR_ONCE
+        )
 
     def _at_its_place(self, point: Point, looked: Looked) -> tuple[Point, Looked]:
         """A crossing of branches as exactly as orbits beside it tell; others as they are."""

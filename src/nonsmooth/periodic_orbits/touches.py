@@ -21,6 +21,7 @@ from nonsmooth.periodic_orbits.onto import (
     kind_of_excursion,
     modes_along,
     onto_beyond,
+    path_through,
     targets_of_cell,
 )
 from nonsmooth.periodic_orbits.word import Word, shortest_paths
@@ -61,8 +62,14 @@ def lowest_at_section(equations: OrbitEquations, turn: Turn) -> Floats:
     return np.where((here < later) & (here < before), here, np.nan)
 
 
-def with_contact(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
-    """Guard g is touched within leg k: its exit is passed there, and the way back is found."""
+def with_contact(
+    equations: OrbitEquations, turn: Turn, k: int, g: int, also: tuple[int, ...] = ()
+) -> list[Change]:
+    """Guard g is touched within leg k: its exit is passed there, and the way back is found.
+
+    ``also``: other guards that are touched there, as by equal machines in step, through all of
+    which the contact leads.
+    """
     word, wiring, legs = equations.word, equations.legs.tables.wiring, equations.legs
     place = legs.minima(word, turn.states, turn.instants).places[k, g]
     if not np.isfinite(place):
@@ -76,7 +83,11 @@ def with_contact(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[
     if target < 0 or np.isnan(instant):
         return []
     changes, onto = [], onto_beyond(wiring, mode, g)
-    for path in [(g, onto), (g,)] if onto >= 0 else [(g,)]:
+    ways = [(g, onto), (g,)] if onto >= 0 else [(g,)]
+    if also:
+        through = path_through(wiring, mode, (g, *also))
+        ways, onto = [] if through is None else [through], -1
+    for path in ways:
         touch = Word((mode,), (path,))
         found = legs.follow_each(
             touch, turn.states[k : k + 1], turn.instants[k : k + 1], np.array([instant])
@@ -89,7 +100,7 @@ def with_contact(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[
             instants = np.insert(turn.instants, k + 1, instant)
             new = Guess(Word(modes, paths), Turn(states, instants))
             return [_begun_at_event(equations, Change("grazing", new, f"rate:{k}"))]
-        if onto < 0:
+        if onto < 0 and not also:
             path = _to_where_it_is(equations, mode, path, behind, instant)
         away = modes_along(wiring, mode, path)[-1]
         changes += [

@@ -115,7 +115,7 @@ def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> 
     found: list[Change] = []
     before = len(equations.word)  # legs from here on have changed
     places = equations.legs.minima(equations.word, turn.states, turn.instants).places
-    length, here = float(turn.instants[-1] - turn.instants[0]), (-1, 0.0)
+    gone, here = GONE * float(turn.instants[-1] - turn.instants[0]), (-1, 0.0)
 
     def instant(name: str) -> tuple[int, float]:
         kind, *numbers = name.split(":")
@@ -123,11 +123,17 @@ def changes_at_once(equations: OrbitEquations, turn: Turn, names: list[str]) -> 
         place = places[k, int(numbers[1])] if kind == "graze" else 0.0
         return k, float(np.nan_to_num(place))
 
+    together = names and np.all(np.ptp([instant(name) for name in names], axis=0) <= gone)
+    if together and all(name.startswith("graze:") for name in names):
+        k, *guards = int(names[0].split(":")[1]), *(int(name.split(":")[2]) for name in names)
+        contacts = with_contact(equations, turn, k, guards[0], tuple(guards[1:]))
+        if contacts and all(change.opens >= 0 for change in contacts):
+            return contacts
     for name in sorted(names, key=instant, reverse=True):
         if int(name.split(":")[1]) >= before:
             continue  # it went with an excursion of several legs
         there = instant(name)
-        at_once = there[0] == here[0] and abs(there[1] - here[1]) <= GONE * length
+        at_once = there[0] == here[0] and abs(there[1] - here[1]) <= gone
         change = _touched_too if at_once and name.startswith("graze") else None
         found = change(equations, turn, *map(int, name.split(":")[1:])) if change else []
         found = found or changes_of_word(equations, turn, name)

@@ -127,6 +127,14 @@ struct Moved {
     double later = 0.0, later_rate = 0.0;
 };
 
+// How much later than the end of its leg the first exit is met, which the equations of an orbit make
+// nothing, and what that changes by when the leg lasts longer. Its derivatives by the columns are in
+// tangent.shifts[0].
+struct FirstExit {
+    bool falls;
+    double later, later_rate;
+};
+
 // What the rates of mode m at z change by with column c, which may be that of a parameter.
 inline void turn_column(const Tables& tables, const Rates& rates, const Tangent& tangent, Index m,
                         Index c, const double* z, double* turned) {
@@ -138,38 +146,66 @@ inline void turn_column(const Tables& tables, const Rates& rates, const Tangent&
     }
 }
 
+// The first exit e of leg k in mode m, at the end of that, where the columns begin.
+inline FirstExit first_exit(const Tables& tables, const Rates& rates, const Segment& segment,
+                            const Tangent& tangent, Index m, Index e, double duration,
+                            const double* rate) {
+    const Index n = tables.n(), size = tables.size();
+    const double *row = guard_coefficients(tables, m, e, 0), *z = segment.z.data;
+    double* turned = segment.spare.data;
+    double largest = 0.0;
+    for (Index i = 0; i < size; ++i) largest += std::fabs(row[i]) * segment.scale[i];
+    const double value = product(row, z, size), falls = product(row, rate, size);
+    FirstExit first{falls_in_time(value, falls, largest, duration), 0.0, 0.0};
+    if (!first.falls) return first;
+    first.later = value / falls;
+    for (Index c = 0; c < tangent.count(); ++c) {
+        turn_column(tables, rates, tangent, m, c, z, turned);
+        double change = change_of_row(tables, rates, tangent, m, guard_row(e, 0), c, z);
+        change -= first.later * product(row, turned, size);
+        if (c >= n) {
+            change -= first.later * product(&rates.affine(c - n, m, guard_row(e, 0), 0), rate, size);
+        }
+        tangent.shifts(0, c) = change / falls;
+    }
+    fill_velocity(tables, m, rate, turned);
+    first.later_rate = 1.0 - first.later * product(row, turned, size) / falls;
+    return first;
+}
+
 // Take state and derivatives to the instant at which a later exit e of mode m is met by itself, if it
 // is; met_rate becomes the rate of its guard. segment.scale tells how far coordinates move in the
-// duration. The instant is off by `later`, up to first order, which counts where derivatives of these
-// derivatives are taken.
+// duration. The instant is that of the first exit but for what is left of both guards, up to first
+// order, which counts where derivatives of these derivatives are taken.
 inline void meet_exit(const Tables& tables, const Rates& rates, const Segment& segment,
-                      const Tangent& tangent, Index first, Index m, Index e,
+                      const Tangent& tangent, const FirstExit& first, Index before, Index m, Index e,
                       const double* states, double duration, Moved& moved, double& met_rate) {
     const Index n = tables.n(), size = tables.size();
     const double* row = guard_coefficients(tables, m, e, 0);
     double *z = segment.z.data, *turned = segment.spare.data, *velocity = tangent.velocity.data;
     double largest = 0.0;
     for (Index i = 0; i < size; ++i) largest += std::fabs(row[i]) * segment.scale[i];
-    if (!is_met_by_itself(tables, segment, first, m, e, states, largest)) return;
+    if (!is_met_by_itself(tables, segment, before, m, e, states, largest)) return;
     met_rate = rate_of_guard(tables, m, e, z);
-    const double later = product(row, z, size) / met_rate;
-    if (!falls_in_time(product(row, z, size), met_rate, largest, duration)) return;
+    const double value = product(row, z, size), left = value / met_rate;
+    if (!first.falls || !falls_in_time(value, met_rate, largest, duration)) return;
+    const double later = left - first.later;
     fill_velocity(tables, m, z, velocity);
-    const auto take = [&](double* vector, double change) {
-        const double shift = (change - later * product(row, turned, size)) / met_rate;
+    const auto take = [&](double* vector, double change, double of_first) {
+        const double shift = (change - left * product(row, turned, size)) / met_rate - of_first;
         for (Index i = 0; i < size; ++i) vector[i] -= velocity[i] * shift + later * turned[i];
         return shift;
     };
     for (Index c = 0; c < tangent.count(); ++c) {
         double change = change_of_row(tables, rates, tangent, m, guard_row(e, 0), c, z);
         if (c >= n) {  // its row depends on the parameter, so that its rate does
-            change -= later * product(&rates.affine(c - n, m, guard_row(e, 0), 0), velocity, size);
+            change -= left * product(&rates.affine(c - n, m, guard_row(e, 0), 0), velocity, size);
         }
         turn_column(tables, rates, tangent, m, c, z, turned);
-        tangent.shifts(1, c) += take(&tangent.columns(c, 0), change);
+        tangent.shifts(1, c) += take(&tangent.columns(c, 0), change, tangent.shifts(0, c));
     }
     fill_velocity(tables, m, moved.rate, turned);
-    moved.later_rate += take(moved.rate, product(row, moved.rate, size));
+    moved.later_rate += take(moved.rate, product(row, moved.rate, size), first.later_rate);
     moved.later += later;
     for (Index i = 0; i < size; ++i) z[i] -= velocity[i] * later;
 }
@@ -218,13 +254,16 @@ inline bool pass_path(const Tables& tables, const Rates& rates, const Segment& s
         fill_scale(tables, m, z, duration, segment.scale.data);
         start_directions(tables, m, legs.paths(k, 0), directions_of(segment));
     }
+    const FirstExit first = has_several ? first_exit(tables, rates, segment, tangent, m,
+                                                     legs.paths(k, 0), duration, moved.rate)
+                                        : FirstExit{false, 0.0, 0.0};
     for (Index step = 0; step < legs.paths.shape[1]; ++step) {
         const Index e = legs.paths(k, step);
         if (e < 0) break;
         results.passed(k, step) = product(guard_coefficients(tables, m, e, 0), z, size);
         if (step > 0) {
-            meet_exit(tables, rates, segment, tangent, legs.modes[k], m, e, &results.ends(k, 0),
-                      duration, moved, results.passed_rate(k, step));
+            meet_exit(tables, rates, segment, tangent, first, legs.modes[k], m, e,
+                      &results.ends(k, 0), duration, moved, results.passed_rate(k, step));
         }
         push_columns(tables, rates, segment, tangent, m, e);
         if (has_several) push_reset(tables, m, e, directions_of(segment));
