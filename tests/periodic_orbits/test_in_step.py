@@ -194,7 +194,7 @@ def compactors(groups: tuple[int, ...]) -> ns.System:
 
 @pytest.mark.slow
 def test_three_machines_graze_and_fold_as_one_does():
-    """A graze of all of them at once, 1e-6 from a fold, and another one 3e-5 from a branch point."""
+    """A graze of all of them at once is 1e-6 from a fold, and 3e-5 from a branch point."""
     found = []
     for groups in ((3,), (1, 1, 1)):
         branch = ns.continue_orbit(compactors(groups), "om", (0.69, 1.02), direction="down")
