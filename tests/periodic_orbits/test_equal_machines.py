@@ -54,6 +54,7 @@ def in_order(multipliers: np.ndarray) -> np.ndarray:
     return np.sort_complex(np.round(multipliers, 9))
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("count", [2, 3, 5])
 @pytest.mark.parametrize(
     "values", [{"omega": 1.7}, {"omega": 1.5, "r": 0.4}, {"omega": 1.3, "z": 0.1}]
@@ -88,6 +89,7 @@ def test_tangent_and_exponents_of_two_machines_are_those_of_one_twice(restitutio
     assert np.sort(of_two)[::-1] == pytest.approx(np.repeat(of_one, 2), abs=2e-5)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("begin", [1.7, 2.5])
 @pytest.mark.parametrize("count", [2, 3])
 def test_a_branch_of_machines_in_step_changes_as_that_of_one(count, begin):
@@ -276,6 +278,7 @@ def length_of_turn(D: float) -> float:
     return ticks[-1] - ticks[-2]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("begin", [0.02, -0.02])
 def test_a_branch_of_clocks_passes_the_place_where_they_are_equal(begin):
     """Where all events of a turn come in pairs that change their order at once."""
