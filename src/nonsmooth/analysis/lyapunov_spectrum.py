@@ -170,6 +170,10 @@ def lyapunov_spectrum(
     for N periods with the probability exp(-k N), so the rate is below ``escape_rate_below`` =
     -log(0.05)/N with 95 % confidence.
 
+    Equal machines that begin in step stay in step, as rounding is the same for each of them. Where
+    that is unstable, the largest exponent is that of differences which nothing brings about, and a
+    motion that repeats may count as chaotic. Let such machines begin with a small difference.
+
     The Kaplan-Yorke dimension counts an exponent as zero that is below three standard errors
     or below one over the duration. For a forced system it is that of the stroboscopic map;
     the flow has one more.

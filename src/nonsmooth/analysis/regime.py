@@ -157,6 +157,9 @@ def regime(
         last one. A transient whose motions leave it at the rate k per period lasts as long with the
         probability exp(-k N), so the rate is below ``escape_rate_below`` = -log(0.05)/N with 95 %
         confidence.
+        Equal machines that begin in step stay in step, as rounding is the same for each. Where that
+        is unstable, a motion that does not repeat at strobes may be called chaotic: let them begin
+        with a small difference.
     ``quasi-periodic``
         The motion is driven, and the strobes of both windows keep the order of a rotation on a
         closed curve, or on several in turn: the polygon through them in that order turns by at
