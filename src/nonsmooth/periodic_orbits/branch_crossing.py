@@ -65,10 +65,8 @@ class BranchCrossing:
         Of the directions along which the equations vanish it is the one along which the states of
         all other legs, and the parameter, change as they did.
         """
-        equations, n = (
-            self.equations.of_word(guess.word, guess.turn.states[0]),
-            guess.turn.states.shape[1],
-        )
+        equations = self.equations.of_word(guess.word, guess.turn.states[0])
+        n = equations.legs.n
         unknowns = equations.pack(guess.turn)
         _, jacobian, moved = equations.evaluate(unknowns)
         scale = scale_of(equations, unknowns)

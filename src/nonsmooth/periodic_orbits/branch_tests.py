@@ -259,7 +259,7 @@ class BranchTests:
         end, admissibility = found.nexts[-1].copy(), Admissibility(True)
         at_rest = bool(equations.word.n_events) and self._is_at_zero(turn, found)
         # guards that vanish all along tell of rounding
-        near = _from_one(multipliers)
+        near, self._quiet = _from_one(multipliers), {}
         kept, faded = ({}, set()) if at_rest else self._of_word(turn, found, beside, near)
         image = reflection(equations, turn)
         if image is not None and image.later == 0.5 and near < _NEARLY_ONE:

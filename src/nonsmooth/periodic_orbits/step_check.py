@@ -28,9 +28,8 @@ _NEAR_AT_START = 1e-3  # the same where the branch begins, perhaps at a special 
 _STILL = 1e-6  # part of a slope of the parameter by the arclength that is none
 VERTICAL = 1e-10  # of the range by the arclength: slopes that rounding makes along a family
 _AT_ONCE = 1e-6  # arclength between changes of the word that are one
-_SEVERAL_POLES = (
-    1e-20  # product of rates over kicks, of which rounding leaves more where one is zero
-)
+# product of rates over kicks, of which rounding leaves more where only one of them is zero
+_SEVERAL_POLES = 1e-20
 _FOLDS = ("fold", "branch_point")
 
 
@@ -67,8 +66,8 @@ class StepCheck:
             return False  # a long step has come to a part of the branch that was passed before
         low, high = self._stretch.options.bounds
         if not is_explained(points[: end + 1], looked[: end + 1], high - low):
-            if not self._stretch.one_by_one and _several_cross(looked[0], looked[end]):
-                self._stretch.one_by_one = True
+            if not self._stretch.each_multiplier and _several_cross(looked[0], looked[end]):
+                self._stretch.each_multiplier = True
                 return False
             if length > least:
                 return False

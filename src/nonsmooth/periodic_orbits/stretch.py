@@ -101,7 +101,7 @@ class BranchStretch:
         self._is_small = False  # a cycle beside the states that it lies at
         self._values = legs.values.copy()
         # whether the sizes of multipliers are looked at, the largest, the second largest and so on
-        self.one_by_one = False
+        self.each_multiplier = False
         self.place = list(legs.system.parameters).index(options.parameter)
 
     def set_parameter(self, p: float) -> None:
@@ -142,7 +142,7 @@ class BranchStretch:
 
     def _outside(self, size: float) -> float:
         """How far outside the unit circle a multiplier is; nan while nobody has to know."""
-        return float(size) - 1.0 if self.one_by_one and size <= UNBOUNDED else np.nan
+        return float(size) - 1.0 if self.each_multiplier and size <= UNBOUNDED else np.nan
 
     def remember(self, point: Point) -> None:
         """A point becomes one of those where the branch has been."""

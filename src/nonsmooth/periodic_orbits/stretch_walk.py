@@ -400,7 +400,7 @@ class StretchWalk:
         self.stretch.set_parameter(point.p)
         equations, turn = self.stretch.equations, looked.turn
         found = equations.legs.follow(equations.word, turn.states, turn.instants)
-        if not self.stretch.one_by_one and not found.passed_rate.any():
+        if not self.stretch.each_multiplier and not found.passed_rate.any():
             return point, looked  # there are equations that are regular there
         there = at_crossing(self.stretch, point, self._stands[0])
         self.stretch.set_parameter(point.p if there is None else there.p)

@@ -494,7 +494,7 @@ def _are_touched(equations: OrbitEquations, turn: Turn, k: int, exits: tuple[int
     return bool(np.all(np.abs(found.guard_rate) <= _SLOW * speeds))
 
 
-def _one_by_one(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
+def _with_other_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> list[Change]:
     """Exits that leg k passes at one instant, as those of equal machines, where g comes first."""
     found = []
     word, wiring = equations.word, equations.legs.tables.wiring
@@ -512,9 +512,9 @@ def _with_event_first(equations: OrbitEquations, turn: Turn, k: int, g: int) -> 
     """Guard g is touched just where leg k ends: its impact comes first, and the exits behind it."""
     word, wiring = equations.word, equations.legs.tables.wiring
     mode = word.modes[k]
-    one_by_one = _one_by_one(equations, turn, k, g)
-    if one_by_one:
-        return one_by_one
+    other_order = _with_other_first(equations, turn, k, g)
+    if other_order:
+        return other_order
     path = (g, *with_jump(wiring, mode, word.paths[k]))
     leads_back = int(wiring.exits["target"][mode, g]) == mode
     if not leads_back:
