@@ -209,7 +209,7 @@ def test_columns_start_at_their_own_rest_state():
 
 def test_an_interruption_keeps_what_is_done(monkeypatch):
     from nonsmooth.runs import crew
-    from nonsmooth.runs.sweep_runner import motions_per_task
+    from nonsmooth.runs.sweep_runner import motions_per_task, seconds_of_motion
 
     calls = []
     take = crew.take
@@ -228,7 +228,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch):
     assert found.attrs["status"] == "interrupted"
     assert set(found["status"].values.ravel()) == {"completed"}
     done = found.sizes["parameter"]
-    size = motions_per_task(400)
+    size = motions_per_task(400, seconds_of_motion(ns.models.soft_impact(), 400))
     assert size <= done <= 4 * size  # as many tasks as were taken at most
     assert found.attrs["message"].endswith(f"{done} of 400 columns are done and kept")
     ns.plot.bifurcation(found, "x")

@@ -9,7 +9,7 @@ import xarray as xr
 import nonsmooth as ns
 from nonsmooth.runs import crew
 
-SPEEDS = np.linspace(0.7, 0.9, 100)
+SPEEDS = np.linspace(0.7, 0.9, 256)
 
 
 def diagram(**options):

@@ -12,6 +12,7 @@ from threading import Event
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from scipy.linalg import block_diag
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, System
@@ -132,10 +133,10 @@ def test_sizes_come_from_what_others_make_of_a_state():
     """v' = -w^2 x: a velocity is w times the size of its position, also after half a turn."""
     w = 1e4
 
-    def blocks_over(part, going):
-        turn = np.pi * part
-        block = [[np.cos(turn), np.sin(turn) / w], [-w * np.sin(turn), np.cos(turn)]]
-        return going, np.array([block])
+    def blocks_over(parts, going):
+        turns = np.pi * np.array(parts)
+        block = [[np.cos(turns), np.sin(turns) / w], [-w * np.sin(turns), np.cos(turns)]]
+        return np.outer(going, np.isfinite(turns)), np.moveaxis(np.array([block]), 3, 1)
 
     sizes = np.array([[2e-5, 1e-16]])
     found = natural_sizes(sizes, np.ones(1, bool), blocks_over)
@@ -148,14 +149,13 @@ def test_fast_states_beside_slow_ones_have_sizes():
     """A pair of frequency w and damping d forgets within a part in which another one does not."""
     w, d = 1e3, 60.0
 
-    def blocks_over(part, going):
+    def block(part):
         turn, left = w * part, np.exp(-d * part)
-        fast = left * np.array(
-            [[np.cos(turn), np.sin(turn) / w], [-w * np.sin(turn), np.cos(turn)]]
-        )
-        return going, np.block([[np.ones((1, 1)), np.zeros((1, 2))], [np.zeros((2, 1)), fast]])[
-            None
-        ]
+        fast = [[np.cos(turn), np.sin(turn) / w], [-w * np.sin(turn), np.cos(turn)]]
+        return block_diag(1.0, left * np.array(fast))
+
+    def blocks_over(parts, going):
+        return np.outer(going, np.isfinite(parts)), np.array([[block(part) for part in parts]])
 
     found = natural_sizes(np.array([[1.0, 2e-5, 1e-16]]), np.ones(1, bool), blocks_over)
     assert 0.1 * w * 2e-5 < found[0, 2] <= w * 2e-5
@@ -163,8 +163,13 @@ def test_fast_states_beside_slow_ones_have_sizes():
 
 def test_growth_within_a_part_is_no_size():
     """A saddle that takes its neighbours away by 1e9 in a part."""
+
+    def grows(parts, going):
+        blocks = np.tile(1e9 * np.eye(2), (1, len(parts), 1, 1))
+        return np.outer(going, np.isfinite(parts)), blocks
+
     sizes = np.array([[1.0, 1.0]])
-    found = natural_sizes(sizes, np.ones(1, bool), lambda _, going: (going, 1e9 * np.eye(2)[None]))
+    found = natural_sizes(sizes, np.ones(1, bool), grows)
     np.testing.assert_array_equal(found, sizes)
 
 
@@ -179,8 +184,8 @@ def test_derivatives_have_one_state_in_each_row():
         group.runner, last, np.ones(1, bool), group.strobes(1, 1), group.drifting, None
     )
     known, blocks = orbit_maps(given)
-    assert known.tolist() == [True]
-    np.testing.assert_allclose(blocks[0], [[1.0, 3.0], [0.0, 1.0]])
+    assert known.tolist() == [[True]]
+    np.testing.assert_allclose(blocks[0, 0], [[1.0, 3.0], [0.0, 1.0]])
 
 
 def test_rounding_beside_a_doubled_period():

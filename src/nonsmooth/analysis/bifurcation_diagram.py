@@ -31,7 +31,7 @@ from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.section_runner import SectionRunner
 from nonsmooth.runs.start import check_carried, resolve_start
 from nonsmooth.runs.stored_tasks import run_stored_tasks
-from nonsmooth.runs.sweep_runner import SweepRunner
+from nonsmooth.runs.sweep_runner import SweepRunner, motions_per_task, seconds_of_motion
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -248,9 +248,13 @@ def _tasks(
 ) -> _Tasks:
     """Tasks, and the lane and the columns that each one computes."""
     found = _Tasks([], [], {}, {})
+    size = motions_per_task(grid.size)
+    if not isinstance(protocol.chosen, PoincareMap):  # whose motions are searched one by one
+        seconds = seconds_of_motion(protocol.system, protocol.transient + protocol.record)
+        size = motions_per_task(grid.size, seconds)
     for lane, each in enumerate(given):
         make = _maker(protocol, grid, each, mode)
-        for k, columns in enumerate(links_of(grid, start)):
+        for k, columns in enumerate(links_of(grid, start, size)):
             number = len(found.tasks)
             follow = None if start == "restart" else partial(found.ends.get, -1)
             if k and start != "restart":

@@ -25,22 +25,26 @@ from nonsmooth.engine.lanes import (
 from nonsmooth.engine.record import Rows, dtype_of, zeros
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.sweeps import Division, Sweep, allocate_sweep, run_sweep
-from nonsmooth.engine.tables import Tables, allocate_stack, set_up
+from nonsmooth.engine.tables import EXACT, Tables, allocate_stack, set_up
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.devices import device_for
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.system import System
 
-__all__ = ["Motions", "Recorded", "SweepRunner", "SweepStarts", "Times", "motions_per_task"]
+__all__ = [
+    "Motions", "Recorded", "SweepRunner", "SweepStarts", "Times", "motions_per_task",
+    "seconds_of_motion",
+]  # fmt: skip
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _MOST = 64  # motions in one call, some milliseconds of work
 _BYTES = 2**25  # of their tables
-# motions of a task at least, as what Python does for a task costs as much as some motions; and
-# tasks of a sweep, so that many threads have work, and little is lost of one that is stopped
-_LEAST_TOGETHER, _TASKS = 16, 16
+# motions of a task at least; tasks of a sweep, so that many threads have work, and little is lost
+# of one that is stopped; and work of a task that is worth what Python does for each
+_LEAST_TOGETHER, _TASKS, _WORTH = 16, 16, 0.1  # the last one in seconds
+_PER_PAIR, _OF_SERIES = 1e-7, 10.0  # seconds of a window per pair of coordinates; times with series
 _MOST_ON_DEVICE, _ON_DEVICE = 2**15, 2**30  # the same of a graphics device
 _LEAST_ON_DEVICE = 512  # motions, of which fewer run faster on the processor
 _FIRST_EVENTS = 4096  # rows of the logs of all motions, to begin with
@@ -48,9 +52,18 @@ _RATES = no_rates()  # columns are derivatives by initial states alone
 _OF_ONE_CALL = ("samples", "events", "segments", "uncertain", "estimated")  # counters
 
 
-def motions_per_task(count: int) -> int:
-    """How many of so many motions one task has, whoever runs it."""
-    return int(np.clip(count // _TASKS, _LEAST_TOGETHER, _MOST))
+def motions_per_task(count: int, seconds: float = np.inf) -> int:
+    """How many of so many motions one task has, whoever runs it, if each takes so long."""
+    least = np.clip(_WORTH / seconds, _LEAST_TOGETHER, _MOST)
+    return int(np.clip(count // _TASKS, least, _MOST))
+
+
+def seconds_of_motion(system: System, windows: int) -> float:
+    """How long a motion of so many windows takes, within a factor of a few."""
+    program = system.compiled.program
+    has_series = np.any(allocate_stack(program, 1).kinds != EXACT)
+    per_window = _PER_PAIR * program.sizes.augmented**2 * (_OF_SERIES if has_series else 1.0)
+    return max(windows, 1) * float(per_window)
 
 
 class SweepStarts(NamedTuple):

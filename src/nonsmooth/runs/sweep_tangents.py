@@ -26,7 +26,8 @@ class SweepTangents:
     """K motions at their starts, what happens there being behind them, with all n columns.
 
     Those that are not ``chosen``, (K,), are left out. With ``until``, (K, s), they have gone on to
-    the last of some times; ``samples``, (K, s, n, n), are the columns there.
+    the last of some times; ``samples``, (K, s, n, n), are the columns at those that they have
+    ``reached``, (K, s).
     """
 
     def __init__(
@@ -60,10 +61,11 @@ class SweepTangents:
         shapes: times (K, s), columns (K, C, n), growth (K, C); returns (K, s, C, n) and (K, s, C)
         """
         lanes = self._runner.columns(columns, times.numbers.shape[1], growth)
-        self._runner.run(
+        recorded = self._runner.run(
             self._motions, times, chosen=chosen, log=False, columns=lanes, division=division,
             stop=self._stop,
         )  # fmt: skip
+        self.reached = recorded.modes >= 0
         self.columns, self.growth = lanes.columns[..., : columns.shape[2]], lanes.growth
         return lanes.samples, lanes.growth_samples
 

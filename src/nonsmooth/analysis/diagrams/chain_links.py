@@ -9,12 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, is_known, unknown_choice
-from nonsmooth.runs.sweep_runner import motions_per_task
 
 __all__ = ["End", "check_way", "links_of", "pack_end", "take_end"]
 
 _STARTS = ("restart", "follow up", "follow down")
-_TOGETHER = 16  # columns in a link of a chain: a few milliseconds of work
 _NAME = "end_of_link"
 
 
@@ -33,12 +31,11 @@ def check_way(start: Any) -> str:
     return str(start)
 
 
-def links_of(grid: npt.NDArray[np.float64], start: str) -> list[list[int]]:
-    """Columns of each link, in the order in which they are computed."""
+def links_of(grid: npt.NDArray[np.float64], start: str, size: int) -> list[list[int]]:
+    """Columns of each link of so many, in the order in which they are computed."""
     order = np.arange(grid.size) if start == "restart" else np.argsort(grid, kind="stable")
     if start == "follow down":
         order = order[::-1]
-    size = motions_per_task(grid.size) if start == "restart" else _TOGETHER
     return [order[i : i + size].tolist() for i in range(0, grid.size, size)]
 
 

@@ -107,7 +107,7 @@ def _natural(group: Group, recorded: Recorded, passed: PassedEvents, chosen: Boo
     sizes = np.maximum(state_maxima(np.abs(recorded.states)), _begun(group, recorded))
     np.maximum.at(sizes, passed.motion, state_maxima(np.abs(recorded.event_states)))
     sizes = np.where(group.drifting, sizes, np.maximum(sizes, _moved(group, recorded, chosen)))
-    blocks_over = partial(IntervalTangents(group).over_part, recorded.last)
+    blocks_over = partial(IntervalTangents(group).over_parts, recorded.last)
     sizes[:, still] = natural_sizes(sizes[:, still], chosen, blocks_over)
     return sizes
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -44,8 +45,19 @@ class IntervalTangents:
 
         shapes: chosen (K,); returns (K,) and (K, k, k)
         """
-        ends = self._after(strobes, np.full(self._group.count, part))
-        return orbit_maps(self.neighbours(strobes, ends, chosen))
+        known, blocks = self.over_parts(strobes, [part], chosen)
+        return known[:, 0], blocks[:, 0]
+
+    def over_parts(
+        self, strobes: SweepStarts, parts: Sequence[float], chosen: Bools
+    ) -> tuple[Bools, Floats]:
+        """The same over several parts of it, P ever longer ones, in one call of the engine.
+
+        shapes: chosen (K,); returns (K, P) and (K, P, k, k)
+        """
+        ends = [self._after(strobes, np.full(self._group.count, part)) for part in parts]
+        times = Times(*(np.concatenate(each, axis=1) for each in zip(*ends, strict=True)))
+        return orbit_maps(self.neighbours(strobes, times, chosen))
 
     def over_periods(self, chosen: Bools, strobes: SweepStarts, periods: Integers) -> PeriodMaps:
         """Derivatives of the chosen motions over so many intervals, (K,) each.
@@ -62,7 +74,9 @@ class IntervalTangents:
             if not np.any(left):
                 break
             until = self._after(begins, periods)
-            known, own = orbit_maps(self.neighbours(begins, until, left))
+            (known,), (own,) = (
+                each.swapaxes(0, 1) for each in orbit_maps(self.neighbours(begins, until, left))
+            )
             found, blocks[known] = found | known, own[known]
             starts, ends = starts.replaced(known, begins), ends.replaced(known, until)
         return PeriodMaps(found, blocks, starts, ends)

@@ -59,19 +59,18 @@ class Neighbours:
 
 
 def orbit_maps(given: Neighbours) -> tuple[Bools, Floats]:
-    """Derivatives of the states at the last instants by those at the starts, but for drifts.
+    """Derivatives of the states at all instants by those at the starts, but for drifts.
 
     Nothing depends on a drifting state, so the others stand in the block without it.
 
-    returns: where they are known (K,), as neither at a graze nor for a start that no mode takes;
-    blocks (K, k, k), with one state each in their rows
+    returns: where they are known (K, s), as neither behind a graze nor for a start that no mode
+    takes; blocks (K, s, k, k), with one state each in their rows
     """
-    last = given.times.at(slice(-1, None))
-    flow = SweepTangents(given.runner, given.starts, given.chosen, given.stop, last)
+    flow = SweepTangents(given.runner, given.starts, given.chosen, given.stop, given.times)
     still = ~given.drifting
     # what is recorded has the derivatives by one state each in its rows
-    blocks = flow.samples[:, 0][:, still][:, :, still].swapaxes(1, 2).copy()
-    known = given.chosen & flow.goes_on & np.all(np.isfinite(blocks), axis=(1, 2))
+    blocks = flow.samples[:, :, still][..., still].swapaxes(2, 3).copy()
+    known = given.chosen[:, None] & flow.reached & np.all(np.isfinite(blocks), axis=(2, 3))
     return known, blocks
 
 

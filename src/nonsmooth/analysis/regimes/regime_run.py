@@ -197,7 +197,7 @@ class _Motions:
         largest = np.maximum(np.abs(windows.low), np.abs(windows.high))[alive]
         self.sizes[alive] = np.maximum(self.sizes[alive], largest)
         self.natural[alive] = self.sizes[alive]
-        blocks_over = partial(self._tangents.over_part, windows.last)
+        blocks_over = partial(self._tangents.over_parts, windows.last)
         found = natural_sizes(self.sizes[:, still], alive, blocks_over)
         self.natural[np.ix_(alive, still)] = found[alive]
         return windows, alive

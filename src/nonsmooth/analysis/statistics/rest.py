@@ -8,7 +8,7 @@ natural size is the one that a change of x by 0.5 would give it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -23,9 +23,9 @@ Floats = npt.NDArray[np.float64]
 _ROUNDING = 16.0 * float(np.finfo(float).eps)  # of a size, from strobe to strobe
 _HALF = 0.5  # of the spread of every state at most is left in the second half of a decay
 _REMEMBERED = 0.5  # multiplier of a part of an interval in which neighbours do not forget
-_LOOKS, _MORE_LOOKS = 3, 7  # parts of an interval that are asked, and shorter ones
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # no two of its powers are whole half turns of one oscillation
-_SHORTER = 8.0
+# parts of an interval that are asked together, and shorter ones, each by itself
+_ASKED = ((_GOLDEN**2, _GOLDEN, 1.0), *((_GOLDEN**2 / 8.0**k,) for k in range(1, 8)))
 _PART = 0.5  # of the strobes over which neighbours shrink at least, while they shrink in all
 
 
@@ -67,7 +67,9 @@ def halves(points: Floats, floor: Floats) -> Bools:
 
 
 def natural_sizes(
-    sizes: Floats, chosen: Bools, blocks_over: Callable[[float, Bools], tuple[Bools, Floats]]
+    sizes: Floats,
+    chosen: Bools,
+    blocks_over: Callable[[Sequence[float], Bools], tuple[Bools, Floats]],
 ) -> Floats:
     """Sizes since the start, or what parts of an interval make of those of all states.
 
@@ -76,24 +78,21 @@ def natural_sizes(
     They are ever shorter until neighbours in no direction forget where they began. What grows
     within a part is taken back to the size where it began.
 
-    shapes: sizes (M, k), chosen (M,); blocks_over: derivatives (M, k, k) over a part of the
-    interval after the last strobe of some motions, and where they are known (M,)
+    shapes: sizes (M, k), chosen (M,); blocks_over: derivatives (M, P, k, k) over P ever longer
+    parts of the interval after the last strobe of some motions, and where they are known (M, P)
     """
-    natural, going, part = sizes.copy(), chosen & (sizes.shape[1] > 0), 1.0
-    for k in range(_LOOKS + _MORE_LOOKS):
+    natural, going = sizes.copy(), chosen & (sizes.shape[1] > 0)
+    for parts in _ASKED:
         if not np.any(going):
             break
-        known, blocks = blocks_over(part, going)
-        which = np.flatnonzero(known)
-        moduli = np.abs(np.linalg.eigvals(blocks[which]))
-        made = np.abs(blocks[which]) @ sizes[which, :, None]
-        made = made[..., 0] / moduli.max(axis=1, initial=1.0)[:, None]
-        natural[which] = np.maximum(natural[which], made)
-        if k + 1 >= _LOOKS:
-            going[which[moduli.min(axis=1) > _REMEMBERED]] = False
-            part /= _SHORTER
-        else:
-            part *= _GOLDEN
+        known, blocks = blocks_over(parts, going)
+        blocks = np.where(known[..., None, None], blocks, 0.0)
+        moduli = np.abs(np.linalg.eigvals(blocks))
+        made = (np.abs(blocks) @ sizes[:, None, :, None])[..., 0]
+        made /= moduli.max(axis=2, initial=1.0)[..., None]
+        natural = np.maximum(natural, made.max(axis=1))
+        # of the shortest part
+        going &= ~(known[:, 0] & (moduli[:, 0].min(axis=1) > _REMEMBERED))
     return natural
 
 

@@ -24,7 +24,7 @@ from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import check_carried, resolve_start
 from nonsmooth.runs.stored_tasks import run_stored_tasks
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
-from nonsmooth.runs.sweep_runner import SweepRunner
+from nonsmooth.runs.sweep_runner import SweepRunner, motions_per_task
 from nonsmooth.system.system import System
 
 __all__ = [
@@ -126,7 +126,7 @@ def run_sweep(
     check_carried(system, sweep.initial, shared.parameters, (parameter,))
     begin = resolve_start(system, build_tables(system), sweep.initial, None, shared.mode, True)
     found = {} if parameter else {0: {"status": np.array(int(Status.INTERRUPTED))}}
-    links = links_of(grid, sweep.start)
+    links = links_of(grid, sweep.start, motions_per_task(grid.size))
     follow = sweep.start != "restart"
     ends: dict[int, End | None] = {}
     sets = ParameterSets(
