@@ -19,8 +19,8 @@ from typing import Annotated, Any, Literal, NamedTuple, NewType, ParamSpec, Type
 
 import numpy as np
 
-from nonsmooth.errors import NonsmoothError, OptionError, is_known, unknown_name
-from nonsmooth.real_numbers import finite_numbers, finite_real, shown
+from nonsmooth.errors import NonsmoothError, OptionError, is_known, quote, unknown_name
+from nonsmooth.real_numbers import finite_numbers, finite_real
 
 __all__ = ["Allowed", "allowed_arguments", "checked"]
 
@@ -144,7 +144,7 @@ def _simple(
 
     def check(name: str, value: Any) -> None:
         if not fits(value):
-            raise OptionError(f"{name} = {shown(value)}: give {one}{cure(value)}")
+            raise OptionError(f"{name} = {quote(value)}: give {one}{cure(value)}")
 
     return Allowed(one, many, fits, check, cure)
 
@@ -185,7 +185,7 @@ def _in_words(kind: Allowed | None, words: str) -> Allowed | None:
         try:
             kind.check(name, value)
         except OptionError:
-            raise OptionError(f"{name} = {shown(value)}: give {words}") from None
+            raise OptionError(f"{name} = {quote(value)}: give {words}") from None
 
     return kind._replace(one=words, check=check)
 
@@ -195,7 +195,7 @@ def _words(words: Sequence[str]) -> Allowed:
 
     def check(name: str, value: Any) -> None:
         if not is_known(value, words):
-            raise OptionError(f"{name} = {shown(value)} must be {one}")
+            raise OptionError(f"{name} = {quote(value)} must be {one}")
 
     return Allowed(one, one, lambda value: isinstance(value, str), check)
 
@@ -222,7 +222,7 @@ def _one_of(kinds: Sequence[Allowed | None]) -> Allowed | None:
             except OptionError as fault:
                 faults.append(fault)
         cure = "".join(kind.cure(value) for kind in known)
-        raise faults[0] if faults else OptionError(f"{name} = {shown(value)}: give {one}{cure}")
+        raise faults[0] if faults else OptionError(f"{name} = {quote(value)}: give {one}{cure}")
 
     return Allowed(one, many, lambda value: any(kind.fits(value) for kind in known), check)
 
@@ -286,7 +286,7 @@ def _tuple(parts: Sequence[Allowed | None]) -> Allowed:
     def check(name: str, value: Any) -> None:
         entries = list(value) if _is_list(value) and isinstance(value, Collection) else []
         if len(entries) != len(kinds):
-            raise OptionError(f"{name} = {shown(value)}: give {plain.one}")
+            raise OptionError(f"{name} = {quote(value)}: give {plain.one}")
         for i, (kind, each) in enumerate(zip(kinds, entries, strict=True)):
             kind.check(f"{name}[{i}]", each)
         if name.endswith("range") and not entries[0] < entries[1]:

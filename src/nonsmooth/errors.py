@@ -12,6 +12,7 @@ Every message says what was required, what came instead and what to do.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Container, Iterable
 from difflib import get_close_matches
 from typing import Any
@@ -24,11 +25,13 @@ __all__ = [
     "RunError",
     "RunWarning",
     "is_known",
+    "quote",
     "unknown_choice",
     "unknown_name",
 ]
 
 _MOST_LISTED = 60  # of the known names; all of a large system would hide the message
+_WIDTH = 60  # characters of a value that a message repeats
 
 
 class NonsmoothError(Exception):
@@ -141,6 +144,29 @@ class ResultWarning(UserWarning):
     """
 
 
+def quote(value: Any) -> str:
+    """A value as messages repeat it: short, in one line, also where Python refuses to write it.
+
+    Of arrays and datasets that fill lines it is the kind that tells more than how they begin.
+    """
+    if isinstance(value, str):
+        value = str(value)  # of a text of numpy no more
+    elif getattr(value, "shape", None) == () and hasattr(value, "item"):
+        value = value.item()
+    try:
+        text = repr(value)
+    except ValueError:  # a whole number of thousands of digits
+        return f"a whole number of {int(math.log10(2) * value.bit_length()) + 1} digits"
+    shape = getattr(value, "shape", None)
+    if "\n" in text and isinstance(shape, tuple):
+        return f"<array of shape {shape}>"
+    if "\n" in text and not isinstance(value, str | list | tuple | dict | set):
+        kind = type(value)
+        return f"<{kind.__module__.partition('.')[0]}.{kind.__name__}>"
+    text = " ".join(text.split())
+    return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 3]}..."
+
+
 def is_known(value: Any, known: Container[str]) -> bool:
     """Whether a value is one of some names; what is no text, such as an array, is none of them."""
     return isinstance(value, str) and value in known
@@ -149,7 +175,7 @@ def is_known(value: Any, known: Container[str]) -> bool:
 def unknown_choice(option: str, value: Any, known: Iterable[str]) -> str:
     """Sentence for a value of an option that is none of those it may have."""
     names = list(map(str, known))
-    return f"{option} = {value!r:.60}: give one of {', '.join(names)}{_nearest(value, names)}"
+    return f"{option} = {quote(value)}: give one of {', '.join(names)}{_nearest(value, names)}"
 
 
 def _nearest(name: Any, names: list[str]) -> str:
@@ -166,4 +192,4 @@ def unknown_name(kind: str, name: Any, known: Iterable[str]) -> str:
     listed = ", ".join(names[:_MOST_LISTED]) if names else "none"
     if len(names) > _MOST_LISTED:
         listed += f" and {len(names) - _MOST_LISTED:,} more"
-    return f"unknown {kind} {name!r:.80}{hint} (known: {listed})"
+    return f"unknown {kind} {quote(name)}{hint} (known: {listed})"

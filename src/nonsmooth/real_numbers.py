@@ -13,22 +13,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import NonsmoothError, OptionError
+from nonsmooth.errors import NonsmoothError, OptionError, quote
 
-__all__ = ["check_size", "finite_numbers", "finite_real", "shown", "whole_number"]
+__all__ = ["check_size", "finite_numbers", "finite_real", "whole_number"]
 
-_WIDTH = 60  # characters of a value that a message repeats
 _REACH = 1e60  # largest size, and the inverse of the least
 _MOST = 1e15  # of a count: doubles hold each whole number up to here
-
-
-def shown(value: Any) -> str:
-    """A value as messages repeat it: short, in one line, also where Python refuses to write it."""
-    try:
-        text = " ".join(repr(value).split())
-    except ValueError:  # a whole number of thousands of digits
-        text = f"a whole number of {int(math.log10(2) * value.bit_length()) + 1} digits"
-    return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 3]}..."
 
 
 def finite_real(
@@ -46,12 +36,12 @@ def finite_real(
         value = value.item()
     if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
         kind = "a complex number" if isinstance(value, complex) else "not a finite number"
-        raise error(f"{where} = {shown(given)} is {kind}; give {wanted}")
+        raise error(f"{where} = {quote(given)} is {kind}; give {wanted}")
     try:
         number = float(value)
     except OverflowError:
         raise error(
-            f"{where} = {shown(given)} is too large for a double, which reaches 1.8e308; give"
+            f"{where} = {quote(given)} is too large for a double, which reaches 1.8e308; give"
             f" {wanted}"
         ) from None
     if not math.isfinite(number):
@@ -66,7 +56,7 @@ def finite_numbers(
     try:
         array = np.asarray(value)
     except (TypeError, ValueError):
-        raise error(f"{where} = {shown(value)}: give a list of numbers") from None
+        raise error(f"{where} = {quote(value)}: give a list of numbers") from None
     if array.dtype.kind not in "iuf":
         found = [finite_real(where, each, error) for each in array.ravel().tolist()]
         return np.array(found, dtype=float).reshape(array.shape)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from numpy.polynomial import chebyshev
 
 from nonsmooth.analysis.options import SharedOptions
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.periodic_orbits.guess import Guess
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest
@@ -204,7 +204,7 @@ def read_best(
         take = _checked(quantity)
     else:
         raise OptionError(
-            f"quantity = {quantity!r:.60}: give the name of a variable of the branch, such as"
+            f"quantity = {quote(quantity)}: give the name of a variable of the branch, such as"
             " 'length', or a function of an orbit"
         )
     parameter = str(branch.attrs["parameter"])
@@ -239,7 +239,7 @@ def _checked(quantity: Callable[[Any], Any]) -> Callable[[Any], float]:
         if value.size != 1 or value.dtype.kind not in "fiub":
             raise OptionError(
                 "quantity: the function returns"
-                f" {'several values' if value.size != 1 else value.item()!r:.60}; it takes one"
+                f" {quote('several values' if value.size != 1 else value.item())}; it takes one"
                 " orbit as a dataset and returns one number"
             )
         return float(value.reshape(()))

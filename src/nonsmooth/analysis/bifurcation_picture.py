@@ -196,7 +196,7 @@ def bifurcation_picture(
             " plot.branch(branch, y, diagram=diagram)"
         )
     if not is_known(parameter, base.parameters):
-        raise OptionError(unknown_name("parameter", str(parameter), base.parameters))
+        raise OptionError(unknown_name("parameter", parameter, base.parameters))
     refuse_fixed(system, parameters, (parameter,), "parameter")
     low, high = read_bounds(between)
     box = read_box(base, region, completion)

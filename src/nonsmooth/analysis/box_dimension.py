@@ -11,7 +11,7 @@ import xarray as xr
 
 from nonsmooth.analysis.measures.point_sets import Points, points_of, scaled
 from nonsmooth.analysis.statistics.power_law import PowerLaw, fit_power_law
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.runs.options import whole_number
 
 __all__ = ["box_dimension"]
@@ -158,11 +158,11 @@ def _check_boxes(boxes: Any) -> list[int] | None:
         sides = sorted({whole_number("boxes", float(side)) for side in boxes})
     except (TypeError, ValueError, OverflowError):
         raise OptionError(
-            f"boxes = {boxes!r:.60}: give whole numbers of boxes per side, such as (8, 16, 32)"
+            f"boxes = {quote(boxes)}: give whole numbers of boxes per side, such as (8, 16, 32)"
         ) from None
     if len(sides) < _FEWEST or sides[-1] > _LARGEST:
         raise OptionError(
-            f"boxes = {boxes!r:.60}: give three or more different numbers, none above {_LARGEST}"
+            f"boxes = {quote(boxes)}: give three or more different numbers, none above {_LARGEST}"
         )
     return sides
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.options import SharedOptions, check_values, refuse_fixed
 from nonsmooth.analysis.sweeps.contacts import Asked, contact_dataset, contact_numbers
 from nonsmooth.analysis.sweeps.sweep import SweepProtocol, make_sweep, run_sweep
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.runs.start import mode_numbers
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ def _names(option: str, given: Any) -> tuple[str, ...]:
     if isinstance(given, str):
         return (given,)
     if not isinstance(given, Sequence):
-        raise OptionError(f"{option} = {given!r:.60}: give a name, or a list of names")
+        raise OptionError(f"{option} = {quote(given)}: give a name, or a list of names")
     return tuple(str(name) for name in given)
 
 
@@ -187,11 +187,11 @@ def _asked(sweep: SweepProtocol, contact: Any, of: Any, percentiles: Any) -> Ask
     known = [*model.states, *model.outputs]
     for name in variables:
         if name not in known:
-            raise OptionError(f"of: {unknown_name('variable', str(name), known)}")
+            raise OptionError(f"of: {unknown_name('variable', name, known)}")
     try:
         parts = np.atleast_1d(np.asarray(percentiles, dtype=float))
     except (TypeError, ValueError, OverflowError):
         parts = np.full(1, np.nan)
     if parts.ndim != 1 or not np.all((parts >= 0.0) & (parts <= 100.0)):
-        raise OptionError(f"percentiles = {percentiles!r:.60}: give numbers from 0 to 100")
+        raise OptionError(f"percentiles = {quote(percentiles)}: give numbers from 0 to 100")
     return Asked(modes, tuple(sorted(numbers)), variables, parts)

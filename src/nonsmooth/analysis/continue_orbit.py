@@ -17,7 +17,7 @@ from nonsmooth.analysis.orbit_search.branches import (
     read_steps,
 )
 from nonsmooth.analysis.orbit_search.options import period_of, read_wanted, said_of_options
-from nonsmooth.errors import NonsmoothError, OptionError, is_known, unknown_name
+from nonsmooth.errors import NonsmoothError, OptionError, is_known, quote, unknown_name
 from nonsmooth.periodic_orbits.branch_crossing import (
     BranchCrossing,
     arm,
@@ -306,7 +306,7 @@ def read_branch_options(
     """Options of a branch, its first orbit, the word given, and where it begins."""
     base = getattr(system, "system", system)
     if isinstance(base, System) and not is_known(parameter, base.parameters):
-        raise OptionError(unknown_name("parameter", str(parameter), base.parameters))
+        raise OptionError(unknown_name("parameter", parameter, base.parameters))
     beginning = Beginning()
     if special is not None:
         initial, beginning = _at_special(initial, special, parameter)
@@ -350,7 +350,7 @@ def _at_special(branch: Any, special: Any, parameter: str) -> tuple[Any, Beginni
     number = finite_number("special", special)
     if number != int(number) or not 0 <= number < count:
         raise OptionError(
-            f"special = {special!r:.60}: the branch has {count} special points, numbered from 0"
+            f"special = {quote(special)}: the branch has {count} special points, numbered from 0"
         )
     if branch.attrs.get("parameter") != parameter:
         raise OptionError(

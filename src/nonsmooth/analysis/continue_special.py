@@ -13,7 +13,14 @@ from nonsmooth.analysis.orbit_search.branches import (
     read_bounds,
     read_steps,
 )
-from nonsmooth.errors import ModelError, NonsmoothError, OptionError, is_known, unknown_name
+from nonsmooth.errors import (
+    ModelError,
+    NonsmoothError,
+    OptionError,
+    is_known,
+    quote,
+    unknown_name,
+)
 from nonsmooth.periodic_orbits.branch_part import BranchPart, kind_of
 from nonsmooth.periodic_orbits.branch_tests import what_of
 from nonsmooth.periodic_orbits.guess import Guess
@@ -214,7 +221,7 @@ def _special_point(branch: Any, special: Any) -> _SpecialPoint:
     number = finite_number("special", special)
     if number != int(number) or not 0 <= number < count:
         raise OptionError(
-            f"special = {special!r:.60}: the branch has {count} special points, numbered from 0"
+            f"special = {quote(special)}: the branch has {count} special points, numbered from 0"
         )
     row = branch.isel(special=int(number))
     kind, test = str(row["special_kind"].values), str(row["special_test"].values)
@@ -260,7 +267,7 @@ def _second_bounds(system: System, first: str, parameter: Any, between: Any) -> 
             f" of the system: {', '.join(known) or 'it has none'}"
         )
     if not is_known(parameter, known):
-        raise OptionError(unknown_name("second parameter", str(parameter), known))
+        raise OptionError(unknown_name("second parameter", parameter, known))
     low, high = read_bounds(between)
     value = float(system.parameter_values[parameter])
     if not low <= value <= high:

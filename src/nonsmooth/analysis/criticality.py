@@ -14,7 +14,7 @@ from nonsmooth.analysis.normal_forms.normal_form import UNDECIDED, NormalForm
 from nonsmooth.analysis.normal_forms.smooth_points import KINDS as OF_SMOOTH
 from nonsmooth.analysis.normal_forms.smooth_points import form_of_smooth
 from nonsmooth.analysis.options import result_attributes
-from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
+from nonsmooth.errors import ModelError, OptionError, is_known, quote, unknown_name
 from nonsmooth.periodic_orbits.equations import OrbitEquations
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
@@ -218,7 +218,7 @@ def _chosen(branch: Any, special: Any) -> list[int]:
     number = finite_number("special", special)
     if number != int(number) or not 0 <= number < len(kinds):
         raise OptionError(
-            f"special = {special!r:.60}: the branch has {len(kinds)} special points, numbered from"
+            f"special = {quote(special)}: the branch has {len(kinds)} special points, numbered from"
             " 0; or give a kind, such as 'flip'"
         )
     if kinds[int(number)] not in KINDS:

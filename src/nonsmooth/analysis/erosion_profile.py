@@ -18,7 +18,7 @@ from nonsmooth.analysis.measures.erosion_dataset import Profile, erosion_dataset
 from nonsmooth.analysis.measures.integrity_measures import read_axis_scales
 from nonsmooth.analysis.options import SharedOptions, check_values, refuse_fixed
 from nonsmooth.analysis.pictures.columns import Column, settle_columns
-from nonsmooth.errors import ModelError, OptionError, is_known
+from nonsmooth.errors import ModelError, OptionError, is_known, quote
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.progress import Progress
@@ -148,7 +148,7 @@ def erosion_profile(
     grid = check_values(chosen.system, parameter, values)
     refuse_fixed(system, parameters, (parameter,), "parameter")
     if not is_known(safe, _SAFE):
-        raise OptionError(f"safe = {safe!r:.60} must be 'each' or 'all'")
+        raise OptionError(f"safe = {quote(safe)} must be 'each' or 'all'")
     first = read_grid(chosen.system, region, completion)
     sizes = read_axis_scales(scales, list(first.completion.given))
     how = read_search(samples, cells, longest, record, match, shared)

@@ -14,7 +14,7 @@ from nonsmooth.analysis.manifolds.grow_curves import SIDES, check_choice, read_s
 from nonsmooth.analysis.manifolds.saddle import find_saddle
 from nonsmooth.analysis.manifolds.tangency import Both, Tangency, bumps_of, touch
 from nonsmooth.analysis.options import SharedOptions, refuse_fixed, result_attributes
-from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
+from nonsmooth.errors import ModelError, OptionError, is_known, quote, unknown_name
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
@@ -165,7 +165,7 @@ def homoclinic_tangency(
     """
     chosen = map_of(system, parameters, tolerance, "homoclinic_tangency", states_only=True)
     if not is_known(parameter, chosen.system.parameters):
-        raise OptionError(unknown_name("parameter", str(parameter), chosen.system.parameters))
+        raise OptionError(unknown_name("parameter", parameter, chosen.system.parameters))
     refuse_fixed(system, parameters, (parameter,), "parameter")
     ends = _read_between(between)
     check_choice("side", side, tuple(SIDES))
@@ -207,7 +207,7 @@ def _read_between(between: Any) -> tuple[float, float]:
         first, second = between
     except (TypeError, ValueError):
         raise OptionError(
-            f"between = {between!r:.60}: give two values of the parameter, such as (1.0, 1.2)"
+            f"between = {quote(between)}: give two values of the parameter, such as (1.0, 1.2)"
         ) from None
     low, high = finite_number("between", first), finite_number("between", second)
     if low == high:

@@ -15,7 +15,7 @@ from nonsmooth.analysis.measures.integrity_measures import (
     read_axis_scales,
 )
 from nonsmooth.analysis.measures.outcomes import LEFT_OUT, outcomes_of
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.runs.whole_turns import periods_of
 from nonsmooth.system.system import System
 
@@ -210,7 +210,7 @@ def _read_safe(safe: Any, numbers: Integers) -> set[int]:
     known = set(numbers.tolist())
     if not whole or not found or not found <= known:
         raise OptionError(
-            f"safe = {safe!r:.60}: give numbers of attractors, of"
+            f"safe = {quote(safe)}: give numbers of attractors, of"
             f" {', '.join(map(str, sorted(known)))}, such as [1, 2]"
         )
     return found

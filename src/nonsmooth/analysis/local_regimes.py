@@ -210,7 +210,7 @@ def _parameters(points: StrobePoints, parameter: str | None) -> list[str]:
         return list(points.slow)
     known = [str(n) for n, v in points.data.variables.items() if v.dims == (points.dim,)]
     if not is_known(parameter, known):
-        raise OptionError(f"parameter: {unknown_name('variable', str(parameter), known)}")
+        raise OptionError(f"parameter: {unknown_name('variable', parameter, known)}")
     return [parameter] if parameter != "time" else []
 
 

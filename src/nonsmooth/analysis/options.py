@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
+from nonsmooth.errors import ModelError, OptionError, is_known, quote, unknown_name
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
@@ -91,7 +91,7 @@ def check_seed(seed: Any) -> int:
     """Seed of random numbers: a whole number that is not negative."""
     value = finite_number("seed", seed)
     if value != int(value) or value < 0:
-        raise OptionError(f"seed = {seed!r:.60} must be a whole number, not negative")
+        raise OptionError(f"seed = {quote(seed)} must be a whole number, not negative")
     return int(value)
 
 
@@ -106,11 +106,11 @@ def check_match(match: Any) -> float:
 def check_values(system: System, parameter: Any, values: Any) -> npt.NDArray[np.float64]:
     """Values of the parameter, one for each column."""
     if not is_known(parameter, system.parameters):
-        raise OptionError(unknown_name("parameter", str(parameter), system.parameters))
+        raise OptionError(unknown_name("parameter", parameter, system.parameters))
     try:
         grid = np.atleast_1d(np.asarray(values, dtype=float))
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"values = {values!r:.60}: give a list of numbers") from None
+        raise OptionError(f"values = {quote(values)}: give a list of numbers") from None
     if grid.ndim != 1 or grid.size == 0 or not np.all(np.isfinite(grid)):
         raise OptionError(
             "values= takes a one-dimensional, non-empty list of finite numbers, such as"
@@ -159,11 +159,11 @@ def completion_rule(place: str, text: str, known: list[str], given: str) -> Expr
     for each in names_in(rule):
         if each.name not in known and each.name != "pi":
             raise OptionError(
-                f"{place} = {text!r:.60}: {unknown_name('name', each.name, known)}; {given},"
+                f"{place} = {quote(text)}: {unknown_name('name', each.name, known)}; {given},"
                 " parameters, and states completed before may stand here"
             )
     if "rate(" in to_text(rule):
-        raise OptionError(f"{place} = {text!r:.60}: a start has no rates yet; leave rate() out")
+        raise OptionError(f"{place} = {quote(text)}: a start has no rates yet; leave rate() out")
     return rule
 
 

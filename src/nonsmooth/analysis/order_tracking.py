@@ -156,5 +156,5 @@ def _told_apart(run: xr.Dataset, over: str | None) -> tuple[str, npt.NDArray[np.
     if over is None:
         over = slow[0] if len(slow) == 1 else "time"
     if not is_known(over, ("time", *slow)):
-        raise OptionError(f"over: {unknown_name('slow parameter', str(over), ['time', *slow])}")
+        raise OptionError(f"over: {unknown_name('slow parameter', over, ['time', *slow])}")
     return over, run[over].values.astype(float)

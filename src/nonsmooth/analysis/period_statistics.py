@@ -12,7 +12,7 @@ from nonsmooth.analysis.options import derived_attributes
 from nonsmooth.analysis.spectra.segments import check_run
 from nonsmooth.analysis.statistics.series import slow_names
 from nonsmooth.analysis.sweeps.contacts import visits_of
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.start import mode_numbers
 from nonsmooth.system.system import System
@@ -82,7 +82,7 @@ def period_statistics(
     """
     check_run(run)
     if not isinstance(variables, str | Sequence):
-        raise OptionError(f"variables = {variables!r:.60}: give a name, or a list of names")
+        raise OptionError(f"variables = {quote(variables)}: give a name, or a list of names")
     names = [variables] if isinstance(variables, str) else [str(name) for name in variables]
     known = [str(v) for v in run.data_vars if run[v].dims == ("time",) and v != "mode"]
     for name in names:

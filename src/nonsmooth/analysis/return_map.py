@@ -22,7 +22,7 @@ from nonsmooth.analysis.returns.reduced_map import (
     relative,
 )
 from nonsmooth.engine.status import Status
-from nonsmooth.errors import OptionError, ResultWarning
+from nonsmooth.errors import OptionError, ResultWarning, quote
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.first_mode import explain_misfit
 from nonsmooth.runs.labels import labels_of
@@ -233,7 +233,7 @@ def _interval(between: Any) -> tuple[float, float]:
         low = high = 0.0
     if not low < high:
         raise OptionError(
-            f"between = {between!r:.60}: give two finite numbers, the lower one first, such as"
+            f"between = {quote(between)}: give two finite numbers, the lower one first, such as"
             " (0.0, 1.0)"
         )
     return low, high

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.system.parts import Text
 from nonsmooth.system.system import System
 
@@ -51,16 +51,16 @@ def tie_parameters(system: System, ties: Mapping[str, Text], **values: float) ->
     (False, False)
     """
     if not isinstance(system, System):
-        raise OptionError(f"system = {system!r:.60} is not a System")
+        raise OptionError(f"system = {quote(system)} is not a System")
     if not isinstance(ties, Mapping) or not ties:
-        raise OptionError(f'ties = {ties!r:.60}: give a mapping, such as {{"c_2": "2*c_1"}}')
+        raise OptionError(f'ties = {quote(ties)}: give a mapping, such as {{"c_2": "2*c_1"}}')
     for name in ties:
         if name not in system.parameters:
-            raise OptionError(f"ties: {unknown_name('parameter', str(name), system.parameters)}")
+            raise OptionError(f"ties: {unknown_name('parameter', name, system.parameters)}")
     for name in values:
         if name in system.parameters and name not in ties:
             raise OptionError(
-                f"{name} = {values[name]!r:.60}: the system has this parameter; change its value"
+                f"{name} = {quote(values[name])}: the system has this parameter; change its value"
                 " with with_parameters"
             )
     # where definitions may not stand, their text takes the place of the name

@@ -11,7 +11,7 @@ import xarray as xr
 
 from nonsmooth.analysis.measures.outcomes import LEFT_OUT, Outcomes, blocks_of, outcomes_of
 from nonsmooth.analysis.statistics.power_law import PowerLaw, fit_power_law, leave_one_out_error
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.runs.options import whole_number
 
 __all__ = ["uncertainty_exponent"]
@@ -242,11 +242,11 @@ def _check_distances(distances: Any, shape: tuple[int, ...]) -> list[int]:
         steps = sorted({whole_number("distances", float(d)) for d in distances})
     except (TypeError, ValueError, OverflowError):
         raise OptionError(
-            f"distances = {distances!r:.60}: give whole numbers of cells, such as (1, 2, 4, 8)"
+            f"distances = {quote(distances)}: give whole numbers of cells, such as (1, 2, 4, 8)"
         ) from None
     if len(steps) < _FEWEST or steps[-1] >= side:
         raise OptionError(
-            f"distances = {distances!r:.60}: give three or more different ones, below the shortest"
+            f"distances = {quote(distances)}: give three or more different ones, below the shortest"
             f" side of {side} cells"
         )
     return steps
@@ -260,5 +260,5 @@ def _check_pair(between: Any) -> tuple[int, int] | None:
     except (TypeError, ValueError, OverflowError):
         first = second = 0
     if first == second:
-        raise OptionError(f"between = {between!r:.60}: give two different labels, such as (1, 2)")
+        raise OptionError(f"between = {quote(between)}: give two different labels, such as (1, 2)")
     return first, second

@@ -9,7 +9,7 @@ from typing import Any
 
 from nonsmooth.cluster.executors import executor_of, is_lost, lost_workers, submit
 from nonsmooth.cluster.task_progress import is_folder_of_tasks, task_progress
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.progress import Progress
@@ -132,7 +132,7 @@ def _parameters(function: Any) -> Collection[str]:
         return inspect.signature(function).parameters
     except (TypeError, ValueError):
         raise OptionError(
-            f"function = {function!r:.60}: give a function of nonsmooth that has store="
+            f"function = {quote(function)}: give a function of nonsmooth that has store="
         ) from None
 
 

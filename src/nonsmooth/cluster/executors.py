@@ -6,7 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from typing import Any, TypeVar
 
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.errors import OptionError, RunError, quote
 
 __all__ = ["executor_of", "is_lost", "lost_workers", "submit"]
 
@@ -19,11 +19,11 @@ def executor_of(executor: Any, client: Any) -> Executor | None:
         raise OptionError("client: an executor is given too; give one of them")
     if client is not None:
         if not hasattr(client, "get_executor"):
-            raise OptionError(f"client = {client!r:.60}: give a Client of dask.distributed")
+            raise OptionError(f"client = {quote(client)}: give a Client of dask.distributed")
         found: Executor = client.get_executor(pure=False)  # the same call may have more to do later
         return found
     if executor is not None and not isinstance(executor, Executor):
-        raise OptionError(f"executor = {executor!r:.60}: give an Executor of concurrent.futures")
+        raise OptionError(f"executor = {quote(executor)}: give an Executor of concurrent.futures")
     return executor
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, ResultWarning
+from nonsmooth.errors import OptionError, ResultWarning, quote
 from nonsmooth.runs.claims import Claims
 from nonsmooth.runs.options import check_flag
 from nonsmooth.runs.packed_datasets import pack_dataset, unpack_dataset
@@ -110,7 +110,7 @@ def run_calls(
     [-0.1, -0.1]
     """
     if not callable(function):
-        raise OptionError(f"function = {function!r:.60}: give a function, such as nonsmooth.fit")
+        raise OptionError(f"function = {quote(function)}: give a function, such as nonsmooth.fit")
     asked = _checked(function, calls, options)
     again = check_flag("retry", retry)
     protocol = {
@@ -190,12 +190,12 @@ def _checked(
 
     if not isinstance(calls, Sequence) or isinstance(calls, str) or not calls:
         raise OptionError(
-            f"calls = {calls!r:.60}: give a list of mappings of arguments, such as"
+            f"calls = {quote(calls)}: give a list of mappings of arguments, such as"
             " [{'record': first}, {'record': second}]"
         )
     for i, call in enumerate(calls):
         if not isinstance(call, Mapping):
-            raise OptionError(f"calls[{i}] = {call!r:.60} is no mapping of arguments by name")
+            raise OptionError(f"calls[{i}] = {quote(call)} is no mapping of arguments by name")
         for name in call:
             if name in options:
                 raise OptionError(f"calls[{i}]: {name!r} is given for all calls too; give it once")
@@ -225,7 +225,7 @@ def _told(name: str, value: Any) -> Any:
             content = pickle.dumps(value)
         except Exception as fault:
             raise OptionError(
-                f"{name} = {value!r:.60}: this cannot be told from other values ({fault}); give"
+                f"{name} = {quote(value)}: this cannot be told from other values ({fault}); give"
                 " numbers, texts, arrays, datasets, systems, or lists and mappings of these"
             ) from None
     return f"{type(value).__name__} of content {hashlib.sha256(content).hexdigest()[:16]}"

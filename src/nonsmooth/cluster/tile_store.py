@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.files import replacing
 from nonsmooth.runs.claims import make_claim_folders
 from nonsmooth.runs.protocols import differences
@@ -383,7 +383,7 @@ def _read_plan(folder: Path) -> dict[str, Any] | None:
 
 def _folder(path: Any) -> Path:
     if not isinstance(path, str | os.PathLike) or not str(path):
-        raise OptionError(f"store = {path!r:.60}: give the path of a folder")
+        raise OptionError(f"store = {quote(path)}: give the path of a folder")
     folder = Path(path)
     if folder.parent.exists() and not folder.parent.is_dir():
         raise OptionError(f"store = {str(path)!r} lies in a file; give the path of a folder")

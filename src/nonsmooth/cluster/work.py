@@ -21,7 +21,7 @@ from nonsmooth.cluster.plan_map import planned_question
 from nonsmooth.cluster.progress import progress_of
 from nonsmooth.cluster.tile_map import tile_map
 from nonsmooth.cluster.tile_store import TileStore
-from nonsmooth.errors import NonsmoothError, OptionError, ResultWarning
+from nonsmooth.errors import NonsmoothError, OptionError, ResultWarning, quote
 from nonsmooth.runs.claims import Claims
 from nonsmooth.runs.crew import Stopped, check_threads, run_tasks
 from nonsmooth.runs.options import check_flag, positive_number, whole_number
@@ -316,7 +316,7 @@ def _chosen(store: TileStore, tiles: Sequence[int] | None) -> list[int]:
     try:
         numbers = [whole_number("tiles", each, 0) for each in tiles]
     except TypeError:
-        raise OptionError(f"tiles = {tiles!r:.60}: give a list of numbers of tiles") from None
+        raise OptionError(f"tiles = {quote(tiles)}: give a list of numbers of tiles") from None
     for number in numbers:
         if number >= store.count:
             raise OptionError(

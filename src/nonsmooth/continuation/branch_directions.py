@@ -14,7 +14,7 @@ from nonsmooth.continuation.equations import Equations
 from nonsmooth.continuation.options import sizes_of, start_of
 from nonsmooth.continuation.point import Array, Refused
 from nonsmooth.continuation.start import scaled_direction
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.errors import OptionError, RunError, quote
 
 __all__ = ["BranchPoint", "branch_directions"]
 
@@ -116,7 +116,7 @@ def branch_directions(
     (2.0, 1.0)
     """
     if not callable(residual):
-        raise OptionError(f"residual = {residual!r:.60} is no function; give residual(u, p)")
+        raise OptionError(f"residual = {quote(residual)} is no function; give residual(u, p)")
     unknowns, parameter = start_of(u, p)
     sizes = sizes_of(unknowns, parameter, scale, parameter_scale, (-math.inf, math.inf))
     equations = Equations(residual, sizes)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from nonsmooth.continuation.point import Array, Matrix, OutsideDomain, PastBound
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 
 __all__ = [
     "DENSE_BELOW",
@@ -155,8 +155,8 @@ def _numbers(what: str, values: Any, shape: tuple[int, ...]) -> Array:
         numbers = numbers.astype(float, copy=False)
     except (TypeError, ValueError, OverflowError) as error:
         raise OptionError(
-            f"{what} is {values!r:.60}, not real numbers ({error}); residual(u, p) returns an array"
-            " r, or (r, J_u, J_p) with derivatives"
+            f"{what} is {quote(values)}, not real numbers ({error}); residual(u, p) returns an"
+            " array r, or (r, J_u, J_p) with derivatives"
         ) from None
     if numbers.size != math.prod(shape):
         raise OptionError(

@@ -11,7 +11,7 @@ from nonsmooth.continuation.branch import Branch
 from nonsmooth.continuation.options import checked_options, sizes_of, start_of
 from nonsmooth.continuation.point import Array, Point
 from nonsmooth.continuation.start import begin
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 
 __all__ = ["follow"]
 
@@ -123,7 +123,7 @@ def follow(
     'steps'
     """
     if not callable(residual):
-        raise OptionError(f"residual = {residual!r:.60} is no function; give residual(u, p)")
+        raise OptionError(f"residual = {quote(residual)} is no function; give residual(u, p)")
     unknowns, parameter = start_of(u, p)
     options = checked_options(
         parameter,

@@ -26,7 +26,7 @@ from nonsmooth.continuation.point import (
     Refused,
     SingularMatrix,
 )
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 
 __all__ = ["CurveSegment", "Mark", "Observer"]
 
@@ -303,7 +303,7 @@ class Observer:
             return {}
         if not isinstance(found, Mapping):
             raise OptionError(
-                f"tests returned {found!r:.60}; it must return a mapping of names to numbers, such"
+                f"tests returned {quote(found)}; it must return a mapping of names to numbers, such"
                 " as {'zero': point.u[0]}"
             )
         for name in found:
@@ -318,8 +318,8 @@ class Observer:
             )
         except (TypeError, ValueError, OverflowError):
             raise OptionError(
-                f"tests returned {dict(found)!r:.80}; each value must be one real number, NaN where"
-                " there is none"
+                f"tests returned {quote(dict(found))}; each value must be one real number, NaN"
+                " where there is none"
             ) from None
 
     def _bare(self, node: Node, tests: Mapping[str, float], step: float, name: str) -> Point:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.continuation.point import Array
-from nonsmooth.errors import OptionError
-from nonsmooth.real_numbers import finite_real, shown
+from nonsmooth.errors import OptionError, quote
+from nonsmooth.real_numbers import finite_real
 
 __all__ = [
     "OWN_NAMES",
@@ -60,12 +60,12 @@ def checked_options(
         )
     if tests is not None and not callable(tests):
         raise OptionError(
-            f"tests = {tests!r:.60} is no function; give tests(point) that returns a mapping of"
+            f"tests = {quote(tests)} is no function; give tests(point) that returns a mapping of"
             " names to numbers, such as lambda point: {'zero': point.u[0]}"
         )
     if accept is not None and not callable(accept):
         raise OptionError(
-            f"accept = {accept!r:.60} is no function; give accept(points) that returns whether the"
+            f"accept = {quote(accept)} is no function; give accept(points) that returns whether the"
             " step through these points is taken"
         )
     goal = _positive("tolerance", tolerance)
@@ -85,7 +85,7 @@ def start_of(u: Any, p: Any) -> tuple[Array, float]:
             raise TypeError
         unknowns = np.atleast_1d(unknowns.astype(float))
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"u = {u!r:.60} must be real numbers: one for each unknown") from None
+        raise OptionError(f"u = {quote(u)} must be real numbers: one for each unknown") from None
     if unknowns.ndim != 1 or not unknowns.size:
         raise OptionError(
             f"u has the shape {unknowns.shape}; give the unknowns in one row, such as u.ravel(),"
@@ -108,7 +108,7 @@ def sizes_of(
         given = np.asarray(scale, dtype=float)
         if given.shape not in ((), u.shape) or not (np.isfinite(given) & (given > 0.0)).all():
             raise OptionError(
-                f"scale = {scale!r:.60}: one positive number, or one for each of the {u.size}"
+                f"scale = {quote(scale)}: one positive number, or one for each of the {u.size}"
                 " unknowns, their usual sizes"
             )
         sizes[:-1] = given
@@ -123,7 +123,7 @@ def checked_bounds(p: float, bounds: Any) -> tuple[float, float]:
     try:
         low, high = (float(bound) for bound in bounds)
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"bounds = {shown(bounds)}: two numbers (low, high)") from None
+        raise OptionError(f"bounds = {quote(bounds)}: two numbers (low, high)") from None
     if not low < high:
         raise OptionError(f"bounds = ({low:g}, {high:g}): the first must be below the second")
     if not low <= p <= high:
@@ -149,5 +149,5 @@ def _positive(name: str, value: Any) -> float:
 
 def _count(name: str, value: Any, least: int) -> int:
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
-        raise OptionError(f"{name} = {value!r:.60}: a whole number, {least} or more")
+        raise OptionError(f"{name} = {quote(value)}: a whole number, {least} or more")
     return int(value)

@@ -13,7 +13,7 @@ from nonsmooth.continuation.corrector import Corrector, Node, turn
 from nonsmooth.continuation.equations import Equations, Linearised
 from nonsmooth.continuation.options import Options
 from nonsmooth.continuation.point import Array, PastBound, Refused
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.errors import OptionError, RunError, quote
 
 __all__ = ["begin", "scaled_direction"]
 
@@ -40,11 +40,11 @@ def scaled_direction(direction: Any, n: int, scale: Array) -> tuple[Array, bool]
         ahead = np.append(np.asarray(du, dtype=float).reshape(n), float(dp)) / scale
     except (TypeError, ValueError, OverflowError):
         raise OptionError(
-            f"direction = {direction!r:.60}: 1, -1, or (du, dp) with {n} numbers and one"
+            f"direction = {quote(direction)}: 1, -1, or (du, dp) with {n} numbers and one"
         ) from None
     length = float(np.linalg.norm(ahead))
     if not (np.isfinite(length) and length > 0.0):
-        raise OptionError(f"direction = {direction!r:.60} has no finite length above zero")
+        raise OptionError(f"direction = {quote(direction)} has no finite length above zero")
     return ahead / length, True
 
 

@@ -20,7 +20,7 @@ from nonsmooth.continuation.options import (
 )
 from nonsmooth.continuation.point import Array, OutsideDomain, Point
 from nonsmooth.continuation.start import begin
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 
 __all__ = ["two_parameter"]
 
@@ -118,7 +118,7 @@ def two_parameter(
     bound 0.3849 1.0
     """
     if not callable(residual):
-        raise OptionError(f"residual = {residual!r:.60} is no function; give residual(u, p, q)")
+        raise OptionError(f"residual = {quote(residual)} is no function; give residual(u, p, q)")
     unknowns, first = start_of(u, p)
     test = _checked_test(test, unknowns.size)
     second = number("q", q)
@@ -158,6 +158,6 @@ def _checked_test(test: Any, n: int) -> Scalar | str | Array:
     if isinstance(test, np.ndarray) and test.shape == (n, n) and np.isrealobj(test):
         return np.asarray(test, dtype=float)
     raise OptionError(
-        f"test = {test!r:.60} is no function; give test(u, p, q), or the word 'fold', or a matrix"
+        f"test = {quote(test)} is no function; give test(u, p, q), or the word 'fold', or a matrix"
         f" of {n} rows and columns that is added to J_u"
     )

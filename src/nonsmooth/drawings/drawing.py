@@ -12,7 +12,7 @@ import numpy as np
 
 from nonsmooth.drawings.frames import Frames
 from nonsmooth.drawings.shape import ALONG, Shape
-from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.errors import ModelError, OptionError, quote, unknown_name
 from nonsmooth.system.model.toml_text import parse_toml, read_source
 from nonsmooth.system.system import System
 from nonsmooth.system.text.evaluate import evaluate
@@ -283,6 +283,6 @@ def _texts(table: Mapping[str, Any], key: str) -> dict[str, Expression]:
 
 def _range(given: Any, where: str) -> tuple[Expression, Expression]:
     if not isinstance(given, list) or len(given) != 2:
-        raise ModelError(f"{where} = {given!r:.60}: give two numbers or texts")
+        raise ModelError(f"{where} = {quote(given)}: give two numbers or texts")
     low, high = (parse(each, where=where) for each in given)
     return low, high

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from nonsmooth.drawings import outlines
 from nonsmooth.drawings.frames import DrawnShape
 from nonsmooth.drawings.roles import ROLES
-from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.errors import ModelError, quote, unknown_name
 from nonsmooth.system.text.evaluate import evaluate
 from nonsmooth.system.text.expressions import Expression
 from nonsmooth.system.text.grammar import parse, parse_condition
@@ -81,14 +81,14 @@ class Shape:
             raise ModelError(f"{where}: a shape is a table, such as kind = 'circle' and so on")
         name = table.get("kind")
         if name not in _KINDS:
-            raise ModelError(f"{where}: {unknown_name('kind', str(name), _KINDS)}")
+            raise ModelError(f"{where}: {unknown_name('kind', name, _KINDS)}")
         kind, where = _KINDS[str(name)], f"{where} ({name})"
         more = ["text"] if kind.drawn == "text" else []
         more += [kind.number[0]] if kind.number else []
         for key in table:
             if key not in (*_COMMON, *kind.coordinates, *more):
                 known = [*kind.coordinates, *more, *_COMMON]
-                raise ModelError(f"{where}: {unknown_name('key', str(key), known)}")
+                raise ModelError(f"{where}: {unknown_name('key', key, known)}")
         for key in (*kind.coordinates, *more[: kind.drawn == "text"]):
             if key not in table:
                 raise ModelError(f"{where}: {key} is missing")
@@ -157,19 +157,19 @@ def _coordinate(given: Any, sort: str, where: str) -> Coordinate:
     if sort == "number":
         return parse(given, where=where)
     if not isinstance(given, Sequence) or isinstance(given, str):
-        raise ModelError(f"{where} = {given!r:.60}: give a list")
+        raise ModelError(f"{where} = {quote(given)}: give a list")
     if sort == "pair":
         if len(given) != 2:
-            raise ModelError(f"{where} = {given!r:.60}: give two numbers or texts")
+            raise ModelError(f"{where} = {quote(given)}: give two numbers or texts")
         return tuple(parse(each, where=where) for each in given)
     if len(given) < 2:
-        raise ModelError(f"{where} = {given!r:.60}: give two points or more")
+        raise ModelError(f"{where} = {quote(given)}: give two points or more")
     return tuple(_coordinate(each, "pair", where) for each in given)
 
 
 def _role(given: Any, where: str) -> str:
     if given not in ROLES:
-        raise ModelError(f"{where}: {unknown_name('role', str(given), ROLES)}")
+        raise ModelError(f"{where}: {unknown_name('role', given, ROLES)}")
     return str(given)
 
 
@@ -178,18 +178,18 @@ def _count(table: Mapping[str, Any], count: tuple[str, int], where: str) -> int:
     given = table.get(name, usual)
     if not isinstance(given, int) or isinstance(given, bool) or not 1 <= given <= _MOST:
         raise ModelError(
-            f"{where}: {name} = {given!r:.60} must be a whole number from 1 to {_MOST}"
+            f"{where}: {name} = {quote(given)} must be a whole number from 1 to {_MOST}"
         )
     return given
 
 
 def _modes(given: Any, where: str) -> tuple[str, ...]:
     if not isinstance(given, list) or not all(isinstance(each, str) for each in given):
-        raise ModelError(f"{where}: modes = {given!r:.60}: give a list of names of modes")
+        raise ModelError(f"{where}: modes = {quote(given)}: give a list of names of modes")
     return tuple(given)
 
 
 def _text(given: Any, where: str) -> str:
     if not isinstance(given, str):
-        raise ModelError(f"{where} = {given!r:.60}: give a text")
+        raise ModelError(f"{where} = {quote(given)}: give a text")
     return given

@@ -108,7 +108,7 @@ def duffing(
     True
     """
     if not is_known(variable, _VARIABLES):
-        raise OptionError(unknown_name("variable", str(variable), _VARIABLES))
+        raise OptionError(unknown_name("variable", variable, _VARIABLES))
     size = positive("rms", rms, "m/s^2")
     flag("require_chaos", require_chaos)
     system = oscillator(omega=omega, delta=delta, alpha=alpha, beta=beta, gamma=gamma)

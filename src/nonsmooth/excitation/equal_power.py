@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, is_known
+from nonsmooth.errors import OptionError, is_known, quote
 from nonsmooth.excitation.record import MEASURES, Excitation, check_excitation
 from nonsmooth.fatigue.checks import Array, record_values
 
@@ -157,7 +157,7 @@ def _power(
     if not is_known(measure, ("load",)):
         if not is_known(measure, MEASURES):
             known = ", ".join([*MEASURES, "load"])
-            raise OptionError(f"measure = {measure!r:.40}; known are {known}")
+            raise OptionError(f"measure = {quote(measure)}; known are {known}")
         return record.power(measure, lowest=lowest)
     if response is None:
         raise OptionError('measure = "load" needs response=, the load in N that a record gives')

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, is_known
+from nonsmooth.errors import OptionError, is_known, quote
 from nonsmooth.excitation.equal_power import equal_power, power_ratio
 from nonsmooth.excitation.record import MEASURES, Excitation, check_excitation
 from nonsmooth.excitation.shaken_specimen import ShakenSpecimen
@@ -230,7 +230,7 @@ def spread_of_life_ratio(
     lengths = _lengths(cracks)
     for name, given in (("records", records), ("laws", laws)):
         if not isinstance(given, Mapping):
-            raise OptionError(f"{name} = {given!r:.60}: give a mapping of names to {name}")
+            raise OptionError(f"{name} = {quote(given)}: give a mapping of names to {name}")
     mean_loads = listed("mean_loads", mean_loads, "forces in N")
     dampings = listed("dampings", dampings, "damping ratios")
     measures = listed("measures", measures, "measures of power")
@@ -284,7 +284,7 @@ def _check(
 ) -> None:
     """Refuse before the rig is run what would be refused after it."""
     if not isinstance(rig, ShakenSpecimen):
-        raise OptionError(f"rig = {rig!r:.60}: give a ShakenSpecimen")
+        raise OptionError(f"rig = {quote(rig)}: give a ShakenSpecimen")
     for name, record in records.items():
         check_excitation(name, record)
         for measure in measures:

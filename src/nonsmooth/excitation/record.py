@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import Array, check_times, finite, flag, positive, record_values
 from nonsmooth.system.signals import Signal
 
@@ -68,9 +68,9 @@ class Excitation:
     def __post_init__(self) -> None:
         flag("periodic", self.periodic)
         if not isinstance(self.kind, str):
-            raise OptionError(f"kind = {self.kind!r:.60}: give a text")
+            raise OptionError(f"kind = {quote(self.kind)}: give a text")
         if not isinstance(self.details, Mapping):
-            raise OptionError(f"details = {self.details!r:.60}: give a mapping")
+            raise OptionError(f"details = {quote(self.details)}: give a mapping")
         values = record_values("acceleration", self.acceleration)
         times = check_times(self.times, values.size)
         if values.size < _FEWEST:
@@ -87,7 +87,7 @@ class Excitation:
             array.flags.writeable = False
             object.__setattr__(self, name, array)
         if not isinstance(self.details, Mapping):
-            raise OptionError(f"details = {self.details!r:.60}: give a mapping of names to values")
+            raise OptionError(f"details = {quote(self.details)}: give a mapping of names to values")
         object.__setattr__(self, "details", dict(self.details))
 
     @property
@@ -178,7 +178,7 @@ class Excitation:
         True
         """
         if measure not in MEASURES:
-            raise OptionError(f"measure = {measure!r:.40}; known are {', '.join(MEASURES)}")
+            raise OptionError(f"measure = {quote(measure)}; known are {', '.join(MEASURES)}")
         if measure == "acceleration":
             return float(np.mean(self.acceleration**2))
         if lowest is None and not self.periodic:
@@ -266,7 +266,7 @@ def check_excitation(name: str, record: Any) -> Excitation:
     """Refuse what is no record of base acceleration."""
     if not isinstance(record, Excitation):
         raise OptionError(
-            f"{name} = {record!r:.60}: give an Excitation, such as harmonic(), band_noise() or"
+            f"{name} = {quote(record)}: give an Excitation, such as harmonic(), band_noise() or"
             " duffing() make, or Excitation(times, acceleration)"
         )
     return record

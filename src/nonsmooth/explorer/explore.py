@@ -8,7 +8,7 @@ import webbrowser
 from collections.abc import Sequence
 from typing import Any
 
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.errors import OptionError, RunError, quote
 from nonsmooth.explorer.links import from_link
 from nonsmooth.explorer.openings import opening, view_of
 from nonsmooth.explorer.view import View
@@ -156,17 +156,17 @@ def _view(system: System | None, link: str) -> View:
     if system is None:
         return opening()
     if not isinstance(system, System):
-        raise OptionError(f"system: give a System, such as ns.models.moling(), not {system!r:.60}")
+        raise OptionError(f"system: give a System, such as ns.models.moling(), not {quote(system)}")
     return view_of(system)
 
 
 def _check(port: Any, work_limit: Any) -> None:
     whole = isinstance(port, int) and not isinstance(port, bool)
     if not whole or not _PORTS[0] <= port <= _PORTS[1]:
-        raise OptionError(f"port = {port!r:.40} is not a whole number from 1 to {_PORTS[1]}, or 0")
+        raise OptionError(f"port = {quote(port)} is not a whole number from 1 to {_PORTS[1]}, or 0")
     number = isinstance(work_limit, int | float) and not isinstance(work_limit, bool)
     if not number or not 0.0 < work_limit <= _LONGEST:
         raise OptionError(
-            f"work_limit = {work_limit!r:.40} is not a number of seconds, above 0 and at most"
+            f"work_limit = {quote(work_limit)} is not a number of seconds, above 0 and at most"
             f" {_LONGEST:g}"
         )

@@ -10,7 +10,7 @@ from dataclasses import fields
 from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.explorer.view import View
 from nonsmooth.system.text.evaluate import constant_value
 from nonsmooth.system.text.expressions import names_in
@@ -90,7 +90,7 @@ def read_number(name: str, text: str) -> float:
     except ValueError:
         value = _constant(name, text)
     if not math.isfinite(value):
-        raise OptionError(f"{name} = {text!r:.40} is not a finite number")
+        raise OptionError(f"{name} = {quote(text)} is not a finite number")
     return value
 
 
@@ -98,7 +98,7 @@ def _constant(name: str, text: str) -> float:
     tree = parse(text, where=name)
     if any(each.name != "pi" for each in names_in(tree)):
         raise OptionError(
-            f"{name} = {text!r:.40} is not a number, nor a constant expression such as pi/2"
+            f"{name} = {quote(text)} is not a number, nor a constant expression such as pi/2"
         )
     return constant_value(tree, {})
 
@@ -106,7 +106,7 @@ def _constant(name: str, text: str) -> float:
 def _whole_number(name: str, text: str) -> int:
     value = read_number(name, text)
     if not value.is_integer():
-        raise OptionError(f"{name} = {text!r:.40} is not a whole number")
+        raise OptionError(f"{name} = {quote(text)} is not a whole number")
     return int(value)
 
 

@@ -17,7 +17,7 @@ from contextlib import suppress
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.errors import OptionError, RunError, quote
 from nonsmooth.explorer.jobs import Crew
 from nonsmooth.explorer.links import to_link
 from nonsmooth.explorer.view import View
@@ -40,7 +40,7 @@ def check_origins(origins: Sequence[str]) -> list[str]:
     for origin in origins:
         if not _ORIGIN.fullmatch(origin):
             raise OptionError(
-                f"allow_origin: {origin!r:.60} is not a host with its port, such as"
+                f"allow_origin: {quote(origin)} is not a host with its port, such as"
                 " lecture.example.org:5006; patterns such as * would let every web page in"
             )
     return list(origins)

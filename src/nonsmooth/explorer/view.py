@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import Any
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.models.ready_made import ready_made
 from nonsmooth.system.system import System
 
@@ -114,7 +114,7 @@ def _check_kind(name: str, value: Any, default: Any) -> None:
     """A field has the type of its default, and numbers are finite."""
     kind = (int, float) if isinstance(default, float) else type(default)
     if not isinstance(value, kind) or isinstance(value, bool) != isinstance(default, bool):
-        raise OptionError(f"{name} = {value!r:.60} is not of the kind of {default!r}")
+        raise OptionError(f"{name} = {quote(value)} is not of the kind of {default!r}")
     numbers = [value] if isinstance(value, float) else value if isinstance(value, tuple) else ()
     for number in numbers:
         inner = number[1] if isinstance(number, tuple) else number

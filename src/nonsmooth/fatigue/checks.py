@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, quote
 from nonsmooth.real_numbers import check_size, finite_real
 
 __all__ = [
@@ -68,14 +68,14 @@ def positive(name: str, value: Any, unit: str = "") -> float:
 def listed(name: str, values: Any, what: str) -> list[Any]:
     """The entries of a list, or an error that says ``what`` they are to be."""
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-        raise OptionError(f"{name} = {values!r:.60}: give a list of {what}")
+        raise OptionError(f"{name} = {quote(values)}: give a list of {what}")
     return list(values)
 
 
 def flag(name: str, value: Any) -> bool:
     """True or false."""
     if not isinstance(value, bool | np.bool_):
-        raise OptionError(f"{name} = {value!r:.60}: give True or False")
+        raise OptionError(f"{name} = {quote(value)}: give True or False")
     return bool(value)
 
 
@@ -84,7 +84,7 @@ def number_array(name: str, values: Any) -> Array:
     try:
         return real_numbers(values)
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"{name} = {values!r:.60} is no number, nor are its parts") from None
+        raise OptionError(f"{name} = {quote(values)} is no number, nor are its parts") from None
 
 
 def finite_array(name: str, values: Any) -> Array:
@@ -150,7 +150,7 @@ def record_values(name: str, values: Any) -> Array:
     try:
         found = real_numbers(values)
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"{name}: give samples as numbers, not {values!r:.60}") from None
+        raise OptionError(f"{name}: give samples as numbers, not {quote(values)}") from None
     if found.ndim != 1:
         raise OptionError(f"{name} has {found.ndim} dimensions; give one series of samples")
     if found.size < 2:

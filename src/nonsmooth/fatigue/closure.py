@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, is_known
+from nonsmooth.errors import OptionError, is_known, quote
 from nonsmooth.fatigue.checks import Array, finite, number_array
 
 __all__ = ["Closure", "NewmanClosure", "closure_text", "effective_range"]
@@ -145,7 +145,7 @@ def effective_range(
         share = (1.0 - float(closure.opening(at))) / (1.0 - at)
         return size / share, np.full_like(size, at)
     if isinstance(closure, str):
-        raise OptionError(f"closure = {closure!r:.40}; known are {', '.join(_WORDS)}, a number,"
+        raise OptionError(f"closure = {quote(closure)}; known are {', '.join(_WORDS)}, a number,"
                           " and a NewmanClosure")  # fmt: skip
     opened = finite("closure", closure)
     if not 0.0 <= opened < 1.0:

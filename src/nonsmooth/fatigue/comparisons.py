@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import Array, crack_lengths, finite, finite_array
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import FACTOR, LENGTH, cubic_stiffness
@@ -137,7 +137,7 @@ def compare_stress_intensity(
     if np.any(lengths == 0.0):
         raise OptionError("crack = 0 mm has no stress intensity to compare; begin with a short one")
     if isinstance(formulas, str) or not isinstance(formulas, Sequence) or not formulas:
-        raise OptionError(f"formulas = {formulas!r:.60}: give a list such as ['irwin', 'guinea']")
+        raise OptionError(f"formulas = {quote(formulas)}: give a list such as ['irwin', 'guinea']")
     values = np.stack([specimen.stress_intensity(load, lengths, name) for name in formulas])
     intensity = {"long_name": "stress intensity", "units": "MPa sqrt(m)"}
     words = {"long_name": f"difference from {formulas[0]}", "units": "%"}
@@ -158,7 +158,7 @@ def compare_stress_intensity(
 
 def _specimen(given: Any) -> Specimen:
     if given is not None and not isinstance(given, Specimen):
-        raise OptionError(f"specimen = {given!r:.60}: give a Specimen, or leave it out")
+        raise OptionError(f"specimen = {quote(given)}: give a Specimen, or leave it out")
     return Specimen() if given is None else given
 
 

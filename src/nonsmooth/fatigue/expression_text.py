@@ -10,7 +10,7 @@ import ast
 import re
 from typing import Any
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import finite
 
 __all__ = ["expression_text"]
@@ -30,7 +30,7 @@ def expression_text(name: str, text: Any) -> str:
     line = " ".join(text.split())  # Python reads lines, an equation does not
     if not _is_expression(line):
         raise OptionError(
-            f"{name} = {text!r:.60}: give a name or one whole expression of numbers, names,"
+            f"{name} = {quote(text)}: give a name or one whole expression of numbers, names,"
             " + - * / **, parentheses and functions, such as 'crack' or '5 + 1e-3*t'"
         )
     return text

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, quote, unknown_name
 from nonsmooth.fatigue.checks import Array, listed
 from nonsmooth.fatigue.closure import NewmanClosure, closure_text
 from nonsmooth.fatigue.compared_lives import check_tests, predicted_lives
@@ -194,14 +194,14 @@ def _with(law: Paris | Walker, names: list[str], shape: Array, C: float) -> Pari
 def _free(free: Any, law: Any, n_tests: int) -> list[str]:
     """Names beside C."""
     if not isinstance(law, Paris | Walker):
-        raise OptionError(f"law = {law!r:.60}: fit a Paris or a Walker law")
+        raise OptionError(f"law = {quote(law)}: fit a Paris or a Walker law")
     if law.threshold > 0.0:
         raise OptionError("a law with a threshold is not fitted: lives below it are infinite")
     known = ["C", "m"] + (["gamma"] if isinstance(law, Walker) else [])
     wanted = listed("free", free, "names of constants, such as ('C', 'm')")
     for name in wanted:
         if not is_known(name, known):
-            raise OptionError(f"free: {unknown_name('constant', str(name), known)}")
+            raise OptionError(f"free: {unknown_name('constant', name, known)}")
     names = [name for name in known[1:] if name in wanted]
     if len(names) + 1 > n_tests:
         raise OptionError(f"{len(names) + 1} constants need as many tests; {n_tests} came")

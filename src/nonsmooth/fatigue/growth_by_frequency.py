@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import number_array, positive, record_values
 from nonsmooth.fatigue.closure import NewmanClosure, effective_range
 from nonsmooth.fatigue.growth_laws import GrowthLaw
@@ -83,7 +83,7 @@ def growth_by_frequency(
 
     is_data = isinstance(cycles, xr.Dataset)
     if not is_data or "cycle" not in cycles.dims or "duration" not in cycles.attrs:
-        raise OptionError(f"cycles = {cycles!r:.60}: give a result of count_cycles")
+        raise OptionError(f"cycles = {quote(cycles)}: give a result of count_cycles")
     check_law(law)
     inner = np.atleast_1d(number_array("edges", edges))
     if inner.size > 1:

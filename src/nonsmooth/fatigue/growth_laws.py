@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import Array, finite, number_array, positive, same_shape
 
 __all__ = ["Forman", "GrowthLaw", "Paris", "Walker"]
@@ -238,6 +238,6 @@ def _check(law: Any, *names: str) -> None:
     for name in names:
         positive(name, getattr(law, name))
     if not isinstance(law.source, str):
-        raise OptionError(f"source = {law.source!r:.60}: give a text")
+        raise OptionError(f"source = {quote(law.source)}: give a text")
     if finite("threshold", law.threshold) < 0.0:
         raise OptionError(f"threshold = {law.threshold:g} MPa sqrt(m): it cannot be negative")

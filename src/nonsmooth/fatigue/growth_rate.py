@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import Array, real_numbers
 from nonsmooth.fatigue.closure import Closure, effective_range
 from nonsmooth.fatigue.growth_laws import GrowthLaw
@@ -34,8 +34,8 @@ def check_loads(loads: Loads, name: str = "loads") -> None:
     """Refuse what is no load."""
     if not isinstance(loads, LoadBlock | LoadTable) and not callable(loads):
         raise OptionError(
-            f"{name} = {loads!r:.60}: give a LoadBlock, a LoadTable, or a function of the length of"
-            " the crack in mm that gives a LoadBlock"
+            f"{name} = {quote(loads)}: give a LoadBlock, a LoadTable, or a function of the length"
+            " of the crack in mm that gives a LoadBlock"
         )
 
 
@@ -43,7 +43,7 @@ def check_law(law: Any) -> None:
     """Refuse what is no law of growth."""
     if isinstance(law, type) or not callable(getattr(law, "rate", None)):
         raise OptionError(
-            f"law = {law!r:.60}: give a law of growth with its constants, such as Paris(C, m),"
+            f"law = {quote(law)}: give a law of growth with its constants, such as Paris(C, m),"
             " Walker(C, m, gamma), Forman(C, m, K_c) or one of published_laws()"
         )
 
@@ -52,7 +52,7 @@ def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Array
     """Stress intensity, checked."""
     if not callable(stress_intensity):
         raise OptionError(
-            f"stress_intensity = {stress_intensity!r:.60}: give a function of the load in N and"
+            f"stress_intensity = {quote(stress_intensity)}: give a function of the load in N and"
             " the crack in mm, such as Specimen().stress_intensity"
         )
     value = stress_intensity(load, crack)
@@ -60,7 +60,7 @@ def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Array
         found = real_numbers(value)
     except (TypeError, ValueError, OverflowError):
         raise OptionError(
-            f"stress_intensity gave {value!r:.60}; it has to give numbers in MPa sqrt(m)"
+            f"stress_intensity gave {quote(value)}; it has to give numbers in MPa sqrt(m)"
         ) from None
     shape = np.broadcast_shapes(np.shape(load), np.shape(crack))
     if found.shape != shape:
@@ -125,5 +125,5 @@ def block_at(loads: Any, crack: float) -> LoadBlock:
     """Block that a function of the crack gives."""
     block = loads(float(crack))
     if not isinstance(block, LoadBlock):
-        raise OptionError(f"loads({crack:.6g}) gave {block!r:.60}; it has to give a LoadBlock")
+        raise OptionError(f"loads({crack:.6g}) gave {quote(block)}; it has to give a LoadBlock")
     return block

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import Array, positive
 from nonsmooth.fatigue.closure import NewmanClosure, closure_text, effective_range
 from nonsmooth.fatigue.growth_laws import GrowthLaw
@@ -84,7 +84,7 @@ def life_by_cycle(
     """
     if not isinstance(loads, LoadBlock):
         raise OptionError(
-            f"loads = {loads!r:.60}: life_by_cycle takes one LoadBlock, the same at every length"
+            f"loads = {quote(loads)}: life_by_cycle takes one LoadBlock, the same at every length"
         )
     check_law(law)
     first, last = _lengths(initial, final)

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, quote
 from nonsmooth.fatigue.checks import (
     Array,
     crack_lengths,
@@ -304,7 +304,7 @@ class Specimen:
         """
         if plane == "strain" and formula != "irwin":
             raise OptionError(
-                f"plane = 'strain' changes nothing in formula = {formula!r:.60}, which needs no"
+                f"plane = 'strain' changes nothing in formula = {quote(formula)}, which needs no"
                 " modulus; leave it out, or take formula='irwin'"
             )
         forces = finite_array("load", load)
@@ -390,7 +390,7 @@ def _gain(gain: Any) -> float:
     number = finite_array("gain", gain)
     if number.ndim or number == 0.0:
         raise OptionError(
-            f"gain = {gain!r:.60}: give the gain factor in micrometres per V, one number that is"
+            f"gain = {quote(gain)}: give the gain factor in micrometres per V, one number that is"
             " not zero"
         )
     return float(number)

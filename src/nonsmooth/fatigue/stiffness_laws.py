@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import Array, crack_lengths, finite_array, like, positive
 from nonsmooth.fatigue.compliance import TERMS, beam_part
 from nonsmooth.fatigue.expression_text import expression_text
@@ -249,5 +249,5 @@ def _factor(name: str, value: float | str) -> str:
 def _positive(name: str, value: Any) -> float:
     number: Array = finite_array(name, value)
     if number.ndim or number <= 0.0:
-        raise OptionError(f"{name} = {value!r:.60} must be one positive number")
+        raise OptionError(f"{name} = {quote(value)} must be one positive number")
     return positive(name, value)

@@ -29,7 +29,7 @@ import math
 
 import numpy as np
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import Array
 from nonsmooth.fatigue.compliance import crack_part_rate
 
@@ -49,7 +49,7 @@ def shape_of(formula: str, ratio: Array, ligament: Array, span_ratio: float) -> 
         return tada_shape(ratio, ligament, span_ratio)
     if formula == "srawley":
         return srawley_shape(ratio, ligament, span_ratio)
-    raise OptionError(f"formula = {formula!r:.60}: give one of {', '.join(FORMULAS)}")
+    raise OptionError(f"formula = {quote(formula)}: give one of {', '.join(FORMULAS)}")
 
 
 def irwin_shape(ratio: Array, ligament: Array, span_ratio: float) -> Array:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, ResultWarning, is_known, unknown_name
+from nonsmooth.errors import OptionError, ResultWarning, is_known, quote, unknown_name
 from nonsmooth.measured.quality.masks import quality_of
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.runs.section_search import event_names
@@ -112,13 +112,13 @@ def check_free(system: System, free: Any) -> dict[str, Range]:
     """Parameters to be found with their bounds."""
     if not isinstance(free, Mapping) or not free:
         raise OptionError(
-            f"free = {free!r:.60}: give the bounds of each parameter to be found, such as"
+            f"free = {quote(free)}: give the bounds of each parameter to be found, such as"
             f" {{{next(iter(system.parameters), 'k')!r}: (0.5, 2.0)}}"
         )
     found = {}
     for name, bounds in free.items():
         if not is_known(name, system.parameters):
-            raise OptionError(f"free: {unknown_name('parameter', str(name), system.parameters)}")
+            raise OptionError(f"free: {unknown_name('parameter', name, system.parameters)}")
         if name in system.slow:
             raise OptionError(f"free: {name!r} is in slow= of the system, so it is no number")
         found[name] = _bounds(f"free[{name!r}]", bounds, None)
@@ -168,7 +168,7 @@ def _bounds(where: str, bounds: Any, guess: float | None) -> Range:
     try:
         low, high = bounds
     except (TypeError, ValueError):
-        raise OptionError(f"{where} = {bounds!r:.60}: give two numbers, (low, high)") from None
+        raise OptionError(f"{where} = {quote(bounds)}: give two numbers, (low, high)") from None
     low, high = finite_real(f"{where}[0]", low), finite_real(f"{where}[1]", high)
     if not low < high:
         raise OptionError(f"{where} = ({low:g}, {high:g}): the first must be below the second")
@@ -275,14 +275,14 @@ def _observed(system: System, record: Any, observe: Any) -> dict[str, str]:
         return {name: name for name in same}
     if not isinstance(observe, Mapping) or not observe:
         raise OptionError(
-            f"observe = {observe!r:.60}: give an expression of states, outputs and rates for each"
+            f"observe = {quote(observe)}: give an expression of states, outputs and rates for each"
             f" channel, such as {{'a1': 'rate({system.states[-1]})'}}"
         )
     for name, text in observe.items():
         if name not in channels + events:
-            raise OptionError(f"observe: {unknown_name('channel', str(name), channels + events)}")
+            raise OptionError(f"observe: {unknown_name('channel', name, channels + events)}")
         if not isinstance(text, str):
-            raise OptionError(f"observe[{name!r}] = {text!r:.60}: give an expression as a text")
+            raise OptionError(f"observe[{name!r}] = {quote(text)}: give an expression as a text")
     return dict(observe)
 
 
@@ -337,7 +337,7 @@ def _settings(key: str, given: Any, texts: Mapping[str, str]) -> dict[str, Any]:
         return dict.fromkeys(texts, given)
     for name in given:
         if name not in texts:
-            raise OptionError(f"{key}: {unknown_name('channel', str(name), texts)}")
+            raise OptionError(f"{key}: {unknown_name('channel', name, texts)}")
     return dict(given)
 
 
@@ -349,7 +349,7 @@ def _range(key: str, name: str, given: Any) -> Range:
     if isinstance(given, str):
         if given != FREE or key == "delay":
             allowed = "a number or (low, high)" if key == "delay" else "a number, (low, high), free"
-            raise OptionError(f"{where} = {given!r:.60}: give {allowed}")
+            raise OptionError(f"{where} = {quote(given)}: give {allowed}")
         return Range(-np.inf, np.inf, default)
     if not hasattr(given, "__len__"):
         value = finite_real(where, given)
@@ -363,12 +363,12 @@ def _noise(name: str, levels: Mapping[str, Any], first: float) -> Range:
     if given is None or (isinstance(given, str) and given == FREE):
         return Range(0.0, np.inf, first)
     if isinstance(given, str):
-        raise OptionError(f"{where} = {given!r:.60}: give a number, (low, high), or {FREE!r}")
+        raise OptionError(f"{where} = {quote(given)}: give a number, (low, high), or {FREE!r}")
     if not hasattr(given, "__len__"):
         value = finite_real(where, given)
         found = Range(value, value, value)
     else:
         found = _bounds(where, given, first)
     if not found.guess > 0.0 or found.low < 0.0:
-        raise OptionError(f"{where} = {given!r:.60}: noise is a standard deviation, above zero")
+        raise OptionError(f"{where} = {quote(given)}: noise is a standard deviation, above zero")
     return found

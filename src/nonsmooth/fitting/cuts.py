@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, OptionError, is_known
+from nonsmooth.errors import ModelError, OptionError, is_known, quote
 from nonsmooth.fitting.channels import ObservedChannel, Range
 from nonsmooth.fitting.record_equations import RecordEquations
 from nonsmooth.fitting.repetition import repeats_after
@@ -51,7 +51,7 @@ def cut_for(
 ) -> Cut:  # fmt: skip
     """The cut of a record, as the caller wants it or as the data have it."""
     if form is not None and not is_known(form, FORMS):
-        raise OptionError(f"form = {form!r:.60}: give one of {', '.join(FORMS)}, or leave it out")
+        raise OptionError(f"form = {quote(form)}: give one of {', '.join(FORMS)}, or leave it out")
     number = None if cycle is None else whole_number("cycle", cycle)
     count = None if segments is None else whole_number("segments", segments)
     if form == "transient":

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from scipy.stats import qmc
 
 from nonsmooth.analysis.options import SharedOptions, check_seed, refuse_fixed
-from nonsmooth.errors import OptionError, ResultWarning, RunError, is_known, unknown_name
+from nonsmooth.errors import OptionError, ResultWarning, RunError, is_known, quote, unknown_name
 from nonsmooth.fitting.channels import (
     Range,
     check_allowed,
@@ -291,7 +291,7 @@ def fit(
         records.append(GivenRecord(label, each, channels, times))
         datasets.append(data)
     if not is_known(loss, LOSSES):
-        raise OptionError(f"loss = {loss!r:.60}: give one of {', '.join(LOSSES)}")
+        raise OptionError(f"loss = {quote(loss)}: give one of {', '.join(LOSSES)}")
     share = finite_real("hold_back", hold_back)
     if not 0.0 <= share <= 0.9:
         raise OptionError(f"hold_back = {share:g} must lie between 0 and 0.9")
@@ -353,7 +353,7 @@ def _records(
         isinstance(each, Mapping) for each in values.values()
     ):
         raise OptionError(
-            f"by_record = {by_record!r:.60}: give parameters by the name of the record, such as"
+            f"by_record = {quote(by_record)}: give parameters by the name of the record, such as"
             " {'slow': {'omega': 0.8}}"
         )
     for label in values:
@@ -363,7 +363,7 @@ def _records(
                 " records by their names"
             )
         if label not in named:
-            raise OptionError(f"by_record: {unknown_name('record', str(label), named)}")
+            raise OptionError(f"by_record: {unknown_name('record', label, named)}")
         for name in free:
             if name in values[label]:
                 raise OptionError(
@@ -379,7 +379,7 @@ def _records(
 def _private(private: Any, records: Sequence[GivenRecord]) -> tuple[str, ...]:
     """Names of what is found for each record by itself."""
     if isinstance(private, str) or not hasattr(private, "__iter__"):
-        raise OptionError(f"private = {private!r:.60}: give a list of names")
+        raise OptionError(f"private = {quote(private)}: give a list of names")
     names = tuple(map(str, private))
     if names and len(records) == 1:
         raise OptionError("private: there is one record; give several by their names, or leave it")

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, quote
 from nonsmooth.runs.outputs import SweptClock, output_values
 from nonsmooth.system.system import System
 
@@ -148,7 +148,7 @@ def _with_outputs(system: System, outputs: Mapping[str, str], texts: Mapping[str
         except ModelError as fault:
             told = str(fault).removeprefix(f"outputs[{own!r}]: ").replace(f" {own},", "")
             raise OptionError(
-                f"observe[{channel!r}] = {text!r:.60} is no expression of states, outputs,"
+                f"observe[{channel!r}] = {quote(text)} is no expression of states, outputs,"
                 f" parameters and rates of states: {told}"
             ) from None
     found = replace(system, outputs={**system.outputs, **outputs})

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.analysis.options import check_seed
-from nonsmooth.errors import OptionError, ResultWarning, unknown_name
+from nonsmooth.errors import OptionError, ResultWarning, quote, unknown_name
 from nonsmooth.fitting.chain import Proposal, draw_chain, require_emcee
 from nonsmooth.fitting.marginal import Marginal
 from nonsmooth.fitting.posterior_dataset import posterior_dataset
@@ -244,16 +244,16 @@ def _checked(prior: Any, names: list[str]) -> dict[int, Any]:
         return {}
     if not isinstance(prior, Mapping):
         raise OptionError(
-            f"prior = {prior!r:.60}: give a distribution for each parameter of which something is"
+            f"prior = {quote(prior)}: give a distribution for each parameter of which something is"
             f" known, such as {{{names[0]!r}: scipy.stats.norm(1.0, 0.1)}}"
         )
     found = {}
     for name, each in prior.items():
         if name not in names:
-            raise OptionError(f"prior: {unknown_name('parameter', str(name), names)}")
+            raise OptionError(f"prior: {unknown_name('parameter', name, names)}")
         if not callable(getattr(each, "logpdf", None)) or not hasattr(each, "args"):
             raise OptionError(
-                f"prior[{name!r}] = {each!r:.60}: give a distribution of scipy.stats with its"
+                f"prior[{name!r}] = {quote(each)}: give a distribution of scipy.stats with its"
                 " numbers, such as scipy.stats.norm(1.0, 0.1)"
             )
         found[names.index(name)] = each

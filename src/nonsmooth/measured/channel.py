@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError
-from nonsmooth.real_numbers import shown
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.runs.options import finite_number
 
 __all__ = ["Channel", "channels_of", "split_units", "units_of"]
@@ -65,11 +64,11 @@ class Channel:
     def __post_init__(self) -> None:
         if isinstance(self.column, bool) or not isinstance(self.column, (str, int)):
             raise OptionError(
-                f"column = {self.column!r:.60}: give the header of a column, or its number"
+                f"column = {quote(self.column)}: give the header of a column, or its number"
             )
         for name in ("units", "long_name"):
             if not isinstance(getattr(self, name), str):
-                raise OptionError(f"{name} = {getattr(self, name)!r:.60} is not a text")
+                raise OptionError(f"{name} = {quote(getattr(self, name))} is not a text")
         object.__setattr__(self, "offset", finite_number("offset", self.offset))
         if self.sensitivity is None:
             return
@@ -100,7 +99,7 @@ class Channel:
         except (TypeError, ValueError):
             given = np.array("")
         if given.dtype.kind not in "iuf":
-            raise OptionError(f"readings = {shown(readings)}: give numbers")
+            raise OptionError(f"readings = {quote(readings)}: give numbers")
         away = given.astype(float) - self.offset
         return away if self.sensitivity is None else away / self.sensitivity
 
@@ -109,7 +108,7 @@ def channels_of(columns: Any, *, reserved: bool = True) -> dict[str, Channel]:
     """Channels by the names that variables are to have; of a record some names are reserved."""
     if isinstance(columns, str) or not isinstance(columns, (Mapping, Iterable)):
         raise OptionError(
-            f"columns = {columns!r:.60}: give the names of columns, such as ['x', 'y'], or a"
+            f"columns = {quote(columns)}: give the names of columns, such as ['x', 'y'], or a"
             " mapping of variables to columns, such as {'x': 'probe 1'}"
         )
     pairs = columns.items() if isinstance(columns, Mapping) else [(name, name) for name in columns]
@@ -126,7 +125,7 @@ def check_name(name: Any, others: Iterable[str], taken: Iterable[str] = _TAKEN) 
     """Refuse what cannot be the name of a variable."""
     if not isinstance(name, str) or not name.isidentifier():
         raise OptionError(
-            f"columns: {name!r:.60} cannot be the name of a variable, which is made of letters,"
+            f"columns: {quote(name)} cannot be the name of a variable, which is made of letters,"
             " digits and _; give a mapping such as {'x': 'probe 1'}"
         )
     if name in taken:

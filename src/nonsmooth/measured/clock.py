@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.measured.csv_text import Table, cells_of
 from nonsmooth.runs.options import finite_number
 
@@ -74,7 +74,7 @@ class FilePlaces(Places):
         cells = cells_of(self.table.lines[self.table.first + sample], self.table.delimiter)
         column = self.columns[variable]
         cell = cells[column] if column < len(cells) else ""
-        what = f"holds {cell!r:.40}, which is no finite number" if cell else "is missing"
+        what = f"holds {quote(cell)}, which is no finite number" if cell else "is missing"
         return f"{self.at(sample)}, {self.table.called(column)} {what}. "
 
 
@@ -114,7 +114,7 @@ def numbers(name: str, values: Any) -> Floats:
         given = np.asarray(values)
         found = np.array(given, dtype=float) if given.dtype.kind != "c" else None
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"{name} = {values!r:.60}: give numbers") from None
+        raise OptionError(f"{name} = {quote(values)}: give numbers") from None
     if found is None or found.ndim != 1 or found.size == 0:
         raise OptionError(f"{name}: give real samples in one dimension, one at least")
     return found
@@ -288,5 +288,5 @@ def _two_times(time_range: Any) -> tuple[float, float]:
     try:
         low, high = (float(value) for value in time_range)
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"time_range = {time_range!r:.60}: give two times") from None
+        raise OptionError(f"time_range = {quote(time_range)}: give two times") from None
     return low, high

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, quote, unknown_name
 from nonsmooth.measured.channel import split_units
 
 __all__ = ["Table", "cells_of", "numbers_of", "read_table"]
@@ -57,7 +57,7 @@ class Table:
         """Number and units of a column by its header or its number."""
         if isinstance(wanted, bool) or not isinstance(wanted, (str, int)):
             raise OptionError(
-                f"{what} = {wanted!r:.60}: give the header of a column, or its number"
+                f"{what} = {quote(wanted)}: give the header of a column, or its number"
             )
         if isinstance(wanted, int):
             if not 0 <= wanted < self.width:
@@ -98,7 +98,7 @@ class Table:
     def called(self, place: int) -> str:
         """A column in words: by its header, or by its number."""
         header = self.header(place)
-        return f"column {header!r:.60}" if header else f"column {place} (from 0)"
+        return f"column {quote(header)}" if header else f"column {place} (from 0)"
 
     def _units(self, place: int) -> str:
         """Units of a column: in its header, or in a row of their own below the headers."""
@@ -115,12 +115,12 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
     try:
         file = Path(path)
     except TypeError:
-        raise OptionError(f"path = {path!r:.60}: give the name of a CSV file") from None
+        raise OptionError(f"path = {quote(path)}: give the name of a CSV file") from None
     lines = _LINE_END.split(_decoded(file))  # not the other signs that splitlines takes for ends
     if delimiter is not None and (not isinstance(delimiter, str) or len(delimiter) != 1):
-        raise OptionError(f"delimiter = {delimiter!r:.60}: give one character, such as ';'")
+        raise OptionError(f"delimiter = {quote(delimiter)}: give one character, such as ';'")
     if decimal is not None and not is_known(decimal, (".", ",")):
-        raise OptionError(f"decimal = {decimal!r:.60}: give '.' or ','")
+        raise OptionError(f"decimal = {quote(decimal)}: give '.' or ','")
     first, found = _first_numbers(lines, delimiter, decimal, file.name)
     sample = [cells_of(line, found) for line in lines[first : first + _LOOKED_AT]]
     above = cells_of(lines[first - 1].lstrip("#% "), found) if first else []
@@ -300,7 +300,7 @@ def _cell_by_cell(table: Table, rows: list[str], columns: Sequence[int]) -> npt.
                 numbers[i, k] = float(_pointed(cell, table.decimal)) if cell else np.nan
             except ValueError:
                 raise OptionError(
-                    f"{where}, column {column} (from 0): {cell!r:.40} is no number;"
+                    f"{where}, column {column} (from 0): {quote(cell)} is no number;"
                     f" {_CURE_OF_TEXT if k == 0 else _CURE_OF_CELL}"
                 ) from None
     return numbers

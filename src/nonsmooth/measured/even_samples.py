@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, quote, unknown_name
 from nonsmooth.measured.quality.masks import carried, is_mask
 
 __all__ = [
@@ -54,7 +54,7 @@ def listed(names: Any, option: str) -> list[Any]:
     if isinstance(names, str):
         return [names]
     if not isinstance(names, Iterable):
-        raise OptionError(f"{option} = {names!r:.60}: give a name, or a list of names")
+        raise OptionError(f"{option} = {quote(names)}: give a name, or a list of names")
     return list(names)
 
 
@@ -70,7 +70,7 @@ def check_variables(data: xr.Dataset, names: Any, option: str) -> list[str]:
         raise OptionError(f"{option}: name some of {', '.join(known)}")
     for name in chosen:
         if not is_known(name, known):
-            raise OptionError(f"{option}: {unknown_name('variable', str(name), known)}")
+            raise OptionError(f"{option}: {unknown_name('variable', name, known)}")
         if not np.all(np.isfinite(data[name].values)):
             raise OptionError(f"{name}: some samples are not finite; cut the data to where all are")
     return [str(name) for name in chosen]

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError, is_known
+from nonsmooth.errors import OptionError, is_known, quote
 from nonsmooth.measured.channel import check_name
 from nonsmooth.measured.even_samples import (
     check_even,
@@ -80,7 +80,7 @@ def _integral_units(name: str, unit: Any, time: Any) -> _IntegralUnits:
     if scaled and scaled[2] not in (time, "s", "ms"):  # not a length times a time squared
         return _IntegralUnits(1.0, scaled[1], f"{scaled[1]} {scaled[2]}")
     raise OptionError(
-        f"accelerations: {name} is in {unit!r:.40}, which is no unit of an acceleration; known are"
+        f"accelerations: {name} is in {quote(unit)}, which is no unit of an acceleration; known are"
         " g, lengths over a time squared such as m/s^2 or mm/s^2, and lengths times a rate squared"
         " such as A_b omega^2. Name the right one by units= when it is read (of a Channel, with"
         " its sensitivity), or leave units out"
@@ -90,8 +90,8 @@ def _integral_units(name: str, unit: Any, time: Any) -> _IntegralUnits:
 def _check_time(name: str, unit: str, time: str, second: str) -> None:
     if time not in ("", second):
         raise OptionError(
-            f"accelerations: {name} is in {unit!r:.40} and the time in {time!r:.40}; give the time"
-            f" in {second}"
+            f"accelerations: {name} is in {quote(unit)} and the time in {quote(time)}; give the"
+            f" time in {second}"
         )
 
 
@@ -210,7 +210,7 @@ class _FourierIntegral:
             )
         degree = (1 if periods >= 2.0 - _WHOLE else 0) if drift is None else drift
         if degree not in range(_MOST_DRIFT + 1):
-            raise OptionError(f"drift = {drift!r:.60} must be a whole number from 0 to 5")
+            raise OptionError(f"drift = {quote(drift)} must be a whole number from 0 to 5")
         if degree and periods < 2.0 - _WHOLE:
             raise OptionError("drift: it cannot be told from a motion in less than two periods")
         fastest = math.ceil(0.5 * length / step * (1.0 - 1e-9)) - 1  # below half the sample rate
@@ -405,7 +405,7 @@ def displacements(
             "give lowest=, the lowest frequency to keep, or period=, after which the motion repeats"
         )
     if not is_known(edges, _EDGES):
-        raise OptionError(f"edges = {edges!r:.60} must be 'cut' or 'keep'")
+        raise OptionError(f"edges = {quote(edges)} must be 'cut' or 'keep'")
     count = data.sizes["time"]
     method: _FourierIntegral | _RegularIntegral
     if period is not None:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError, is_known
+from nonsmooth.errors import OptionError, is_known, quote
 from nonsmooth.measured.clock import Clock, Places, check_finite, numbers
 from nonsmooth.runs.options import finite_number
 
@@ -47,7 +47,7 @@ def _find_edges(pulse: Floats, threshold: Any, hysteresis: Any, edge: Any) -> _E
     it; the edge is where it last passed the threshold on that way.
     """
     if not is_known(edge, ("rising", "falling")):
-        raise OptionError(f"edge = {edge!r:.60}: give 'rising' or 'falling'")
+        raise OptionError(f"edge = {quote(edge)}: give 'rising' or 'falling'")
     low, high = float(pulse.min()), float(pulse.max())
     if low == high:
         raise OptionError(
@@ -99,7 +99,7 @@ def _given_marks(marks: Any) -> Floats:
     try:
         times = np.asarray(marks, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"marks = {marks!r:.60}: give the times of the marks") from None
+        raise OptionError(f"marks = {quote(marks)}: give the times of the marks") from None
     if times.ndim != 1 or not np.all(np.isfinite(times)):
         raise OptionError("marks: give times in one dimension, all of them finite")
     back = np.flatnonzero(np.diff(times) <= 0.0)
@@ -121,7 +121,7 @@ def _check_marks(
     """
     if not is_known(bad_marks, ("refuse", "repair", "keep")):
         raise OptionError(
-            f"bad_marks = {bad_marks!r:.60}: give 'refuse' or 'repair', or 'keep' to look at them"
+            f"bad_marks = {quote(bad_marks)}: give 'refuse' or 'repair', or 'keep' to look at them"
         )
     if times.size < _FEWEST:
         raise OptionError(

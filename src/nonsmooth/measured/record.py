@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError, is_known
+from nonsmooth.errors import OptionError, is_known, quote
 from nonsmooth.measured.channel import check_name
 from nonsmooth.measured.clock import FEWEST, Places, check_finite, clock_of, numbers
 from nonsmooth.measured.marking import Marking, marks_of
@@ -138,9 +138,9 @@ def record_of(
     timing: times, sample rate and the range of time that is kept; words: units and labels
     """
     if not is_known(bad_samples, ("refuse", "keep")):
-        raise OptionError(f"bad_samples = {bad_samples!r:.60}: give 'refuse' or 'keep'")
+        raise OptionError(f"bad_samples = {quote(bad_samples)}: give 'refuse' or 'keep'")
     if not isinstance(name, str):
-        raise OptionError(f"name = {name!r:.60}: give a text")
+        raise OptionError(f"name = {quote(name)}: give a text")
     keep = bad_samples == "keep"
     arrays = _arrays(displacements)
     times, sample_rate, time_range = timing

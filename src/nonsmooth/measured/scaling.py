@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.measured.record import check_record
 from nonsmooth.measured.velocity import displacements_of
 from nonsmooth.runs.options import finite_number
@@ -132,8 +132,8 @@ def _shifts(record: xr.Dataset, origin: Any) -> dict[str, float]:
     if origin is None:
         return {}
     if not isinstance(origin, Mapping):
-        raise OptionError(f"origin = {origin!r:.60}: give a mapping such as {{'x': 0.1}}")
+        raise OptionError(f"origin = {quote(origin)}: give a mapping such as {{'x': 0.1}}")
     for name in origin:
         if name not in known:
-            raise OptionError(f"origin: {unknown_name('displacement', str(name), known)}")
+            raise OptionError(f"origin: {unknown_name('displacement', name, known)}")
     return {name: finite_number(f"origin {name}", value) for name, value in origin.items()}

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.measured.marking import check_marked, speed_attributes
 from nonsmooth.measured.quality.masks import masked, masks_at
 from nonsmooth.measured.record import check_record
@@ -104,7 +104,7 @@ def section(record: xr.Dataset, *, transient: int = 0, phase: float = 0.0) -> xr
         raise OptionError(f"phase = {part:g} must lie between 0 and less than 1")
     first = finite_number("transient", transient)
     if first < 0.0 or first != int(first):
-        raise OptionError(f"transient = {transient!r:.60} must be a whole number of marks")
+        raise OptionError(f"transient = {quote(transient)} must be a whole number of marks")
     times, number, speeds = revolutions_of(record, np.array([part]))
     start, rate = float(record["time"][0]), float(record.attrs["sample_rate"])
     places = (times - start) * rate

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError, is_known
+from nonsmooth.errors import OptionError, is_known, quote
 from nonsmooth.measured.even_samples import (
     check_even,
     check_variables,
@@ -111,7 +111,7 @@ def low_pass(
     if n > _MOST_ORDER:
         raise OptionError(f"order = {n} must be from 1 to {_MOST_ORDER}")
     if not is_known(edges, _EDGES):
-        raise OptionError(f"edges = {edges!r:.60} must be 'reflect' or 'cut'")
+        raise OptionError(f"edges = {quote(edges)} must be 'reflect' or 'cut'")
     if top <= 0.0:
         raise OptionError(f"cutoff = {top:g} must be positive")
     if not top * step < 0.5:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.measured.quality.masks import masked, quality_of
 from nonsmooth.measured.sections import section
 from nonsmooth.version import __version__
@@ -187,7 +187,7 @@ def _axis(unit: str | None, scaled: bool) -> tuple[float, dict[str, str]]:
         return 1.0, {"long_name": "speed over the natural frequency"}
     chosen = "rad/s" if unit is None else unit
     if not isinstance(chosen, str) or chosen not in _PER_SPEED:
-        raise OptionError(f"unit = {unit!r:.60}; known are {', '.join(_PER_SPEED)}")
+        raise OptionError(f"unit = {quote(unit)}; known are {', '.join(_PER_SPEED)}")
     return _PER_SPEED[chosen], {"long_name": "speed", "units": chosen}
 
 
@@ -202,7 +202,7 @@ def _across(
     try:
         given = np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"values = {values!r:.60}: give a number per record") from None
+        raise OptionError(f"values = {quote(values)}: give a number per record") from None
     if given.shape != speeds.shape or not np.all(np.isfinite(given)):
         raise OptionError(f"values: give a finite number for each of the {speeds.size} records")
     from nonsmooth.measured.channel import split_units

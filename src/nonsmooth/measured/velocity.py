@@ -8,7 +8,7 @@ from typing import Any
 
 import xarray as xr
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.measured.channel import check_name
 from nonsmooth.measured.differentiator import Differentiator
 from nonsmooth.measured.even_samples import noise_before_filters
@@ -113,7 +113,7 @@ def velocities(
                 f"differentiator: it is for steps of {chosen.step:g}, and the record has {step:g}"
             )
     else:
-        raise OptionError(f"differentiator = {differentiator!r:.60}: give a Differentiator")
+        raise OptionError(f"differentiator = {quote(differentiator)}: give a Differentiator")
     if record.sizes["time"] < chosen.window + 3:
         raise OptionError(
             f"the record has {record.sizes['time']} samples, and a window {chosen.window}; give a"
@@ -129,11 +129,11 @@ def displacements_of(record: xr.Dataset) -> list[str]:
 
 def _names(record: xr.Dataset, given: Any) -> dict[str, str]:
     if not isinstance(given, Mapping):
-        raise OptionError(f"names = {given!r:.60}: give a mapping such as {{'x': 'vx'}}")
+        raise OptionError(f"names = {quote(given)}: give a mapping such as {{'x': 'vx'}}")
     known = displacements_of(record)
     for name in given:
         if name not in known:
-            raise OptionError(f"names: {unknown_name('displacement', str(name), known)}")
+            raise OptionError(f"names: {unknown_name('displacement', name, known)}")
     found: dict[str, str] = {}
     for name in known:
         velocity = given.get(name, f"v{name}")

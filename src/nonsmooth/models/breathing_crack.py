@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.errors import ModelError, quote, unknown_name
 from nonsmooth.fatigue.specimen import Specimen
 from nonsmooth.fatigue.stiffness_laws import cubic_text, guinea_text
 from nonsmooth.system.parts import Exit, Mode, Text
@@ -203,11 +203,11 @@ def _check_arguments(
                 f" length; leave out {name} or both stiffnesses"
             )
     if growth is not None and crack != _CRACK:
-        raise ModelError(f"crack = {crack!r:.60} plays no part beside growth=; leave out either")
+        raise ModelError(f"crack = {quote(crack)} plays no part beside growth=; leave out either")
     if growth is not None:
         known = {"t", "pi", "xi", "eta", "d", "s"}
         for name in sorted(name_set(parse(growth, where="growth")) - known):
-            raise ModelError(f"growth = {growth!r:.60}: {unknown_name('name', name, known)}")
+            raise ModelError(f"growth = {quote(growth)}: {unknown_name('name', name, known)}")
     if growth is None and grows != "frozen":
         raise ModelError(f"grows = {grows!r} needs the length of the crack over time as growth=")
 

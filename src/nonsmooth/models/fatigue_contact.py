@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.errors import NonsmoothError, OptionError, RunError
+from nonsmooth.errors import NonsmoothError, OptionError, RunError, quote
 from nonsmooth.models.fatigue_preload import least_preload
 from nonsmooth.models.fatigue_rigs.motion import Loss, first_loss
 from nonsmooth.system.system import System
@@ -62,10 +62,10 @@ def check_contact(run: xr.Dataset) -> xr.Dataset:
     import xarray as xr
 
     if not isinstance(run, xr.Dataset):
-        raise OptionError(f"{run!r:.60} is no run; give the result of nonsmooth.simulate")
+        raise OptionError(f"{quote(run)} is no run; give the result of nonsmooth.simulate")
     if str(run.attrs.get("system_name", "")) != "fatigue_rig":
         raise OptionError(
-            f"the dataset is no run of the fatigue rig but of {run.attrs.get('system_name')!r:.60}"
+            f"the dataset is no run of the fatigue rig but of {quote(run.attrs.get('system_name'))}"
         )
     loss = first_loss(run)
     if loss is None:

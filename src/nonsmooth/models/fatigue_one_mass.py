@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, quote
 from nonsmooth.models.breathing_crack import breathing_crack
 from nonsmooth.models.fatigue_contact import GRAVITY
 from nonsmooth.models.fatigue_reduction import refuse_lost_contact
@@ -132,7 +132,7 @@ def _refuse_lost_contact_later(rig: Any, reached: _Reached, growth: str | None) 
         refuse_lost_contact(rig.system())
     except ModelError as error:
         raise ModelError(
-            f"growth = {growth!r:.60}: with a crack of {reached.length:.4g} mm, which it"
+            f"growth = {quote(growth)}: with a crack of {reached.length:.4g} mm, which it"
             f" has by t = {reached.time:.4g}, {error}; contact='assumed' leaves this check out,"
             " for runs in which the crack has other lengths"
         ) from None
@@ -155,7 +155,7 @@ def check_one_mass(rig: Any, data: xr.Dataset, changed: Mapping[str, float]) -> 
     name = data.attrs["system_name"]
     if name not in ("breathing_crack", "one_mass_rig"):
         raise OptionError(
-            f"the dataset is of {name!r:.60}; this rig has units for those of its system(),"
+            f"the dataset is of {quote(name)}; this rig has units for those of its system(),"
             " breathing_crack() and one_mass"
         )
     words = tomllib.loads(data.attrs["system"])
@@ -193,7 +193,7 @@ def lengths_to_check(growth: str) -> list[_Reached]:
     """Lengths that a crack has from t = 0 until it is through, the first one at the start."""
     rule = parse(growth, where="growth")
     if others := sorted({each.name for each in names_in(rule)} - {"t", "pi"}):
-        raise OptionError(f"growth = {growth!r:.60} uses {others[0]!r}; give a text of t alone")
+        raise OptionError(f"growth = {quote(growth)} uses {others[0]!r}; give a text of t alone")
     lengths = np.broadcast_to(evaluate(rule, {"t": _TIMES}), _TIMES.shape)
     first = float(lengths[0])
     fits = (lengths >= 0.0) & (lengths < _WIDTH)  # nan does not

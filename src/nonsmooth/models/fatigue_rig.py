@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, quote
 from nonsmooth.system.parts import Mode, Text
 from nonsmooth.system.signals import Signal
 from nonsmooth.system.system import System
@@ -231,7 +231,7 @@ def fatigue_rig(
     if base is not None:
         if not isinstance(base, Signal):
             raise ModelError(
-                f"base = {base!r:.60} must be a Signal of the acceleration of the base; for"
+                f"base = {quote(base)} must be a Signal of the acceleration of the base; for"
                 " harmonic shaking leave it out"
             )
         shaking, more = "-shaker", {"signals": {"shaker": base}}

@@ -12,7 +12,7 @@ from typing import Annotated, Any, TypeAlias
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, quote
 from nonsmooth.matrix_files import read_archive
 from nonsmooth.models.rotors.matrices import matrix_rotor_words, square_matrix
 from nonsmooth.models.rotors.texts import often_rides
@@ -246,7 +246,7 @@ def _freedoms(name: str, given: Any, n: int) -> tuple[int, int]:
     try:
         x, y = (operator.index(value) for value in given)
     except (TypeError, ValueError, OverflowError):
-        raise ModelError(f"{name} = {given!r:.60}: give two degrees of freedom, (x, y)") from None
+        raise ModelError(f"{name} = {quote(given)}: give two degrees of freedom, (x, y)") from None
     for value in (x, y):
         if not 0 <= value < n:
             raise ModelError(
@@ -260,7 +260,7 @@ def _freedoms(name: str, given: Any, n: int) -> tuple[int, int]:
 def _unbalance(place: int, given: Any, n: int) -> tuple[int, int, float, float]:
     name = f"unbalance[{place}]"
     if len(given) not in (3, 4):
-        raise ModelError(f"{name} = {given!r:.60}: give {_UNBALANCE}")
+        raise ModelError(f"{name} = {quote(given)}: give {_UNBALANCE}")
     x, y, moment, phase = (*given, 0.0)[:4]
     return (*_freedoms(name, (x, y), n), float(moment), float(phase))
 

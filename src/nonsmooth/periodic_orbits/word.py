@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.tables import PATH_LENGTH, Wiring, bits_of_path, exits_of_path
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.periodic_orbits.onto import collapsed
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.start import mode_numbers
@@ -118,7 +118,7 @@ def read_word(system: System, word: Any) -> tuple[str, ...]:
         names = ()
     if not 0 < len(names) <= _LONGEST:
         raise OptionError(
-            f"word = {word!r:.80}: give the modes of one turn in order, from the section on, such"
+            f"word = {quote(word)}: give the modes of one turn in order, from the section on, such"
             f" as {' '.join(system.mode_names[:2])!r}, or as a list of names; at most {_LONGEST}"
         )
     for name in names:

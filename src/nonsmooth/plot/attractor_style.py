@@ -186,7 +186,7 @@ def check_states(data: xr.Dataset, x: str | None, y: str | None) -> tuple[str, s
     chosen = [finite[0] if x is None else x, finite[min(1, len(finite) - 1)] if y is None else y]
     for name in chosen:
         if name not in known:
-            raise OptionError(unknown_name("state", str(name), known))
+            raise OptionError(unknown_name("state", name, known))
     return chosen[0], chosen[1]
 
 

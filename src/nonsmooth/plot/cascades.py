@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, unknown_choice
+from nonsmooth.errors import OptionError, quote, unknown_choice
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
 
@@ -134,7 +134,7 @@ def _last(data: xr.Dataset, over: str, highest: float | None) -> float:
     largest = float(data[over].max())
     if highest is not None:
         if not float(highest) > 0.0:
-            raise OptionError(f"highest = {highest!r:.60} must be positive")
+            raise OptionError(f"highest = {quote(highest)} must be positive")
         return min(largest, _BESIDE * float(highest))
     unit = 1.0 if over == "harmonic" else float((1.0 / data["period"]).max())
     return min(largest, _BESIDE * _ORDERS * unit)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.plot.alignment import folded, shift_to_marks, way_to_align
 from nonsmooth.plot.compared_spectra import (
     MEASURED,
@@ -220,7 +220,7 @@ def _points(data: xr.Dataset, x: str, y: str) -> tuple[Floats, Floats]:
 
 def _check(data: Any, which: str, x: str, y: str) -> None:
     if not hasattr(data, "data_vars"):
-        raise OptionError(f"{which} = {data!r:.60}: give a dataset")
+        raise OptionError(f"{which} = {quote(data)}: give a dataset")
     known = [str(v) for v in (*data.data_vars, *data.coords) if data[v].dtype.kind in "fiu"]
     for name in (x, y):
         if name not in known:

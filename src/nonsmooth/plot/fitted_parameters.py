@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.plot.legends import place_legend
 
 if TYPE_CHECKING:
@@ -29,7 +29,9 @@ def chosen_parameters(
         if name not in known:
             raise OptionError(f"parameters: {unknown_name('parameter', name, known)}")
     if not names or len(set(names)) < len(names):
-        raise OptionError(f"parameters = {names!r:.60}: name some of {', '.join(known)}, each once")
+        raise OptionError(
+            f"parameters = {quote(names)}: name some of {', '.join(known)}, each once"
+        )
     return names
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.crack_curve import CrackCurve
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
@@ -112,7 +112,7 @@ def stress_intensity(
     """
     _require(data, ("stress_intensity", "difference"), "compare_stress_intensity")
     if variable not in ("stress_intensity", "difference"):
-        raise OptionError(f"variable = {variable!r:.60}: give 'stress_intensity' or 'difference'")
+        raise OptionError(f"variable = {quote(variable)}: give 'stress_intensity' or 'difference'")
     ax = new_axes() if ax is None else ax
     for k, name in enumerate(data["formula"].values):
         values = data[variable].sel(formula=name)

@@ -130,7 +130,7 @@ def growth_curve(
 def _curve(curve: xr.Dataset, growing: str) -> tuple[Floats, Floats]:
     known = [str(n) for n, v in curve.variables.items() if v.dims == ("time",)]
     if growing not in known:
-        raise OptionError(f"growing: {unknown_name('variable', str(growing), known)}")
+        raise OptionError(f"growing: {unknown_name('variable', growing, known)}")
     return curve["time"].values.astype(float), curve[growing].values.astype(float)
 
 

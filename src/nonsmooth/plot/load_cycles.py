@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
 
@@ -73,7 +73,7 @@ def load_cycles(
     if cycles.sizes["cycle"] == 0:
         raise OptionError("no cycle was counted, so there is none to draw")
     if kind not in ("histogram", "matrix"):
-        raise OptionError(f"kind = {kind!r:.40}: draw 'histogram' or 'matrix'")
+        raise OptionError(f"kind = {quote(kind)}: draw 'histogram' or 'matrix'")
     if not 1 <= bins <= _MOST_BINS:
         raise OptionError(f"bins = {bins:g} must be a whole number from 1 to {_MOST_BINS}")
     ax = new_axes() if ax is None else ax

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.plot.branch_curves import check_branch, mark_special_points
 from nonsmooth.plot.crowding import spaced
 from nonsmooth.plot.figures import new_axes
@@ -130,7 +130,7 @@ def _limits(
     """Left and right end, and half the height, of a picture in which all is seen."""
     if radius is not None:
         if not 1.0 < float(radius) < np.inf:
-            raise OptionError(f"radius = {radius!r:.60} must be more than 1, the unit circle")
+            raise OptionError(f"radius = {quote(radius)} must be more than 1, the unit circle")
         return -float(radius), float(radius), float(radius)
     finite = values[np.abs(values) <= NO_BOUND]
     extents = (-finite.real, finite.real, np.abs(finite.imag))

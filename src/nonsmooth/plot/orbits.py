@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.portrait import phase_portrait
 from nonsmooth.plot.style import LINES, axis_label, finish_axes
@@ -90,7 +90,7 @@ def orbit(
     check_variables(run, [x, y, *(() if ring is None else ring)])
     time_range = check_range(run, time_range)
     if clearance is not None and not float(clearance) > 0.0:
-        raise OptionError(f"clearance = {clearance!r:.60} must be positive: it is a radius")
+        raise OptionError(f"clearance = {quote(clearance)} must be positive: it is a radius")
     several = phases and len(run["mode"].attrs.get("flag_meanings", "").split()) > 1
     ax = phase_portrait(run, x, y, ax=ax, phases=several, time_range=time_range, legend=False)
     if ring is not None:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.plot.histories import common_label, phases
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.markers import EVENT_MARK, EVENT_SHAPES, event_markers
@@ -208,7 +208,7 @@ def _checked(samples: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
     if "leg" in samples.variables and known:
         for name in names:
             if name not in known:
-                raise OptionError(unknown_name("variable", str(name), known))
+                raise OptionError(unknown_name("variable", name, known))
     return samples
 
 
@@ -321,7 +321,7 @@ def _check(samples: xr.Dataset, turns: int) -> None:
     if samples.sizes["time"] < 2:
         raise OptionError("the orbit has no samples to draw; see its attribute 'message'")
     if isinstance(turns, bool) or not isinstance(turns, int | np.integer) or turns < 1:
-        raise OptionError(f"turns = {turns!r:.60} must be a whole number, 1 or more")
+        raise OptionError(f"turns = {quote(turns)} must be a whole number, 1 or more")
 
 
 def _changes(samples: xr.Dataset, names: list[str], *, jumps: bool) -> dict[str, float]:

@@ -221,7 +221,7 @@ def draw_quantity(grid: xr.Dataset, quantity: str, ax: Axes, legend: bool) -> Ax
         if each.dims == grid["regime"].dims and each.dtype.kind in "fiu"
     ]
     if quantity not in known:
-        raise OptionError(f"quantity: {unknown_name('quantity', str(quantity), map(str, known))}")
+        raise OptionError(f"quantity: {unknown_name('quantity', quantity, map(str, known))}")
     second, first = grid["regime"].dims
     x, y = edges(grid[first].values), edges(grid[second].values)
     values = np.ma.masked_invalid(grid[quantity].values.astype(float))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.plot.figures import print_figure
 from nonsmooth.plot.style import LINES, PALETTE, axis_label, finish_axes
 from nonsmooth.runs.options import positive_number
@@ -71,7 +71,7 @@ def shaking(
     20.0
     """
     if "time" not in record.dims or variable not in record:
-        raise OptionError(f"variable: the record has no {variable!r:.40} over time")
+        raise OptionError(f"variable: the record has no {quote(variable)} over time")
     times, values = record["time"].values, record[variable].values
     if times.size < 2:
         raise OptionError(f"record: {times.size} samples make no record; give two at least")

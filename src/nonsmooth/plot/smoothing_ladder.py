@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, axis_label, finish_axes
@@ -66,7 +66,7 @@ def smoothing(
         )
     if quantity not in there:
         raise OptionError(
-            f"quantity = {quantity!r:.60} is not in the report; it has {', '.join(there)}"
+            f"quantity = {quote(quantity)} is not in the report; it has {', '.join(there)}"
         )
     values = abs(data[quantity])
     over = next((str(name) for name in values.dims if name != "epsilon"), None)

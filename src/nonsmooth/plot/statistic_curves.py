@@ -137,7 +137,7 @@ def _axis(data: xr.Dataset, dim: str, over: str | None) -> str:
         allowed += [name for name in slow if name not in allowed]
     over = allowed[0] if over is None else over
     if over not in allowed:
-        raise OptionError(f"over: {unknown_name('axis', str(over), allowed)}")
+        raise OptionError(f"over: {unknown_name('axis', over, allowed)}")
     return over
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.runs.clock import rounding_of_logged
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def check_variables(run: xr.Dataset, variables: str | Sequence[str]) -> list[str
         raise OptionError(f"variables: name at least one of {', '.join(known)}")
     for name in names:
         if name not in known:
-            raise OptionError(unknown_name("variable", str(name), known))
+            raise OptionError(unknown_name("variable", name, known))
     if run.sizes["time"] == 0:
         raise OptionError("the run has no samples to draw; see its attribute 'message'")
     return names
@@ -86,7 +86,7 @@ def check_range(
         low, high = (float(value) for value in time_range)
     except (TypeError, ValueError, OverflowError):
         raise OptionError(
-            f"time_range = {time_range!r:.60}: give two times, such as (800, 1200)"
+            f"time_range = {quote(time_range)}: give two times, such as (800, 1200)"
         ) from None
     first, last = float(run["time"][0]), float(run["time"][-1])
     if not (low < high and low < last and high > first):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import check_run_options
 from nonsmooth.runs.strobe_times import require_period
@@ -36,7 +36,7 @@ def map_of(
         check_run_options(given.system, parameters, mode, tolerance)
         if phase != 0.0:
             raise OptionError(
-                f"phase = {phase!r:.60}: the map says itself where its points lie; give the phase"
+                f"phase = {quote(phase)}: the map says itself where its points lie; give the phase"
                 " to StroboscopicMap, or leave it out"
             )
         chosen = given.with_parameters(**parameters) if parameters else given
@@ -45,7 +45,7 @@ def map_of(
         return chosen
     if not isinstance(given, System):
         raise OptionError(
-            f"system = {given!r:.60} is neither a System nor a map; write one, take one from"
+            f"system = {quote(given)} is neither a System nor a map; write one, take one from"
             " ns.models, or make a map of one with ns.StroboscopicMap or ns.PoincareMap"
         )
     system = check_run_options(given, parameters, mode, tolerance)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, quote, unknown_name
 from nonsmooth.real_numbers import finite_numbers, finite_real, whole_number
 from nonsmooth.runs.memory import free_memory, size_text
 from nonsmooth.system.system import System
@@ -48,7 +48,7 @@ def positive_number(name: str, value: Any) -> float:
 def check_flag(name: str, value: Any) -> bool:
     """Value of an option that is true or false."""
     if not isinstance(value, (bool, np.bool_)):
-        raise OptionError(f"{name} = {value!r:.60}: give True or False")
+        raise OptionError(f"{name} = {quote(value)}: give True or False")
     return bool(value)
 
 
@@ -102,12 +102,12 @@ def check_run_options(system: Any, parameters: Any, mode: Any, tolerance: Any) -
     """System with its parameters changed; everything else checked for its kind."""
     if not isinstance(system, System):
         raise OptionError(
-            f"system = {system!r:.60} is not a System; write one, or take one from ns.models"
+            f"system = {quote(system)} is not a System; write one, or take one from ns.models"
         )
     if parameters is not None and not is_mapping_of_names(parameters):
-        raise OptionError(f"parameters = {parameters!r:.60}: give a mapping of names to numbers")
+        raise OptionError(f"parameters = {quote(parameters)}: give a mapping of names to numbers")
     if mode is not None and not isinstance(mode, str):
-        raise OptionError(f"mode = {mode!r:.60} is not the name of a mode")
+        raise OptionError(f"mode = {quote(mode)} is not the name of a mode")
     if not 0.0 < finite_number("tolerance", tolerance) < 1e-3:
         raise OptionError(f"tolerance = {tolerance} must lie between 0 and 1e-3")
     return system.with_parameters(**parameters) if parameters else system
@@ -119,12 +119,12 @@ def parameters_of_tangent(system: System, tangent: Any) -> tuple[str, ...] | Non
         return tuple(system.parameters) if tangent else None
     if isinstance(tangent, str) or not isinstance(tangent, Sequence):
         raise OptionError(
-            f"tangent = {tangent!r:.60}: give True, False, or a list of parameters, such as"
+            f"tangent = {quote(tangent)}: give True, False, or a list of parameters, such as"
             " ['omega'], for derivatives by the initial state and by these"
         )
     for name in tangent:
         if not is_known(name, system.parameters):
-            raise OptionError(f"tangent: {unknown_name('parameter', str(name), system.parameters)}")
+            raise OptionError(f"tangent: {unknown_name('parameter', name, system.parameters)}")
     if len(set(tangent)) < len(tangent):
         raise OptionError("tangent: a parameter is named twice")
     return tuple(tangent)

@@ -10,7 +10,7 @@ from typing import Any
 
 from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
+from nonsmooth.errors import ModelError, OptionError, is_known, quote, unknown_name
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import check_run_options, check_signals, finite_number, whole_number
@@ -119,7 +119,7 @@ def _read_section(system: System, section: Any, direction: Any) -> tuple[bool, i
     """Whether a section is an expression and not an event, and the direction that counts."""
     if not isinstance(section, str) or not section.strip():
         raise OptionError(
-            f"section = {section!r:.60}: give an expression, such as {system.states[0]!r}, or the"
+            f"section = {quote(section)}: give an expression, such as {system.states[0]!r}, or the"
             " name of an event"
         )
     events = event_names(system)
@@ -141,7 +141,7 @@ def _read_section(system: System, section: Any, direction: Any) -> tuple[bool, i
         or direction not in (-1, 0, 1)
     ):
         raise OptionError(
-            f"direction = {direction!r:.60}: give 1 where the section grows, -1 where it falls, 0"
+            f"direction = {quote(direction)}: give 1 where the section grows, -1 where it falls, 0"
             " for both"
         )
     if direction and not crossing:
@@ -154,7 +154,7 @@ def _read_section(system: System, section: Any, direction: Any) -> tuple[bool, i
 def _check_side(side: Any) -> None:
     """Before or after."""
     if not is_known(side, _SIDES):
-        raise OptionError(f"side = {side!r:.60}: give 'before' or 'after'")
+        raise OptionError(f"side = {quote(side)}: give 'before' or 'after'")
 
 
 def set_limits(

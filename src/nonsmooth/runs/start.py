@@ -22,7 +22,7 @@ from nonsmooth.engine.lanes import (
 )
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.labels import labels_of
@@ -84,7 +84,7 @@ def resolve_start(
         return _from_point(system, tables, initial, t_start, mode, repeated)
     if initial is not None and not isinstance(initial, Mapping):
         raise OptionError(
-            f"initial = {initial!r:.60}: give a mapping of state names to numbers, such as"
+            f"initial = {quote(initial)}: give a mapping of state names to numbers, such as"
             f" {{{system.states[0]!r}: 0.1}}, a point of a dataset, or a run to go on from"
         )
     state = _from_mapping(system, initial or {})
@@ -156,7 +156,7 @@ def mode_numbers(system: System, mode: Any) -> tuple[int, ...]:
     if mode is None:
         return (-1,)
     if not isinstance(mode, str):
-        raise OptionError(f"mode = {mode!r:.60} is not the name of a mode")
+        raise OptionError(f"mode = {quote(mode)} is not the name of a mode")
     running = system.structure.running
     found = tuple(i for i, m in enumerate(running) if mode in (m.name, m.label, m.parent))
     if not found:

@@ -34,7 +34,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, ResultWarning, RunError
+from nonsmooth.errors import OptionError, ResultWarning, RunError, quote
 from nonsmooth.files import replacing
 from nonsmooth.runs.claims import PATIENCE, clear_claims, make_claim_folders
 from nonsmooth.runs.locks import lock, unlock
@@ -336,7 +336,7 @@ def part_of_store(store: str | Path, number: int) -> Path:
 def _folder(path: str | Path) -> Path:
     """Folder of a store, made where it is missing."""
     if not isinstance(path, str | os.PathLike) or not str(path):
-        raise OptionError(f"store = {path!r:.60}: give the path of a folder")
+        raise OptionError(f"store = {quote(path)}: give the path of a folder")
     folder = Path(path)
     try:
         folder.mkdir(exist_ok=True)

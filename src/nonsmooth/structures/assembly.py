@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError
-from nonsmooth.real_numbers import finite_numbers, shown
+from nonsmooth.errors import ModelError, quote
+from nonsmooth.real_numbers import finite_numbers
 from nonsmooth.structures.beam import Beam, Disc, RectangularBeam
 from nonsmooth.structures.bearing import Bearing
 from nonsmooth.structures.coordinates import places_of
@@ -270,7 +270,7 @@ def assemble(parts: Mapping[str, Structure], *, bearings: Sequence[Bearing] = ()
     held: list[Bearing] = []
     for name, part in parts.items():
         if not isinstance(part, Structure) or not isinstance(name, str) or not name.strip():
-            raise ModelError(f"parts[{shown(name)}]: give names of structures, each a Structure")
+            raise ModelError(f"parts[{quote(name)}]: give names of structures, each a Structure")
         called = [f"{name} {each}" for each in part.coordinates]
         for bearing in part.bearings:
             places = places_of(bearing.coordinates, part.coordinates, "bearings")

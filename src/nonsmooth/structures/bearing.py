@@ -15,9 +15,10 @@ from nonsmooth.errors import (
     NonsmoothError,
     OptionError,
     is_known,
+    quote,
     unknown_choice,
 )
-from nonsmooth.real_numbers import finite_numbers, shown
+from nonsmooth.real_numbers import finite_numbers
 from nonsmooth.structures.coordinates import places_of
 
 if TYPE_CHECKING:
@@ -103,10 +104,10 @@ class Bearing:
         for each in listed:
             if isinstance(each, bool) or not isinstance(each, str | int | np.integer):
                 raise ModelError(
-                    f"Bearing: coordinates: {shown(each)} is neither a name nor a number"
+                    f"Bearing: coordinates: {quote(each)} is neither a name nor a number"
                 )
         if not isinstance(self.name, str):
-            raise ModelError(f"Bearing: name = {shown(self.name)}: give a text")
+            raise ModelError(f"Bearing: name = {quote(self.name)}: give a text")
         if not is_known(self.interpolation, _INTERPOLATIONS):
             raise ModelError(unknown_choice("interpolation", self.interpolation, _INTERPOLATIONS))
         object.__setattr__(self, "coordinates", listed)
@@ -306,7 +307,7 @@ def _speeds(called: str, given: Any) -> npt.NDArray[np.float64] | None:
         return None
     speeds = finite_numbers(f"{called}: speeds", given, ModelError)
     if speeds.ndim != 1 or speeds.size < 2 or not (np.diff(speeds) > 0.0).all():
-        raise ModelError(f"{called}: speeds = {shown(given)}: give two or more, increasing")
+        raise ModelError(f"{called}: speeds = {quote(given)}: give two or more, increasing")
     speeds.setflags(write=False)
     return speeds
 

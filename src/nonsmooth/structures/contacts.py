@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from nonsmooth.errors import ModelError
-from nonsmooth.real_numbers import shown
+from nonsmooth.errors import ModelError, quote
 from nonsmooth.structures.contributions import (
     Attachment,
     Contribution,
@@ -95,7 +94,7 @@ class Stop:
         check_side("Stop", self.side, _SIDES)
         check_text("Stop", gap=self.gap, restitution=self.restitution)
         if not isinstance(self.rest, bool):
-            raise ModelError(f"Stop: rest = {shown(self.rest)}: give True or False")
+            raise ModelError(f"Stop: rest = {quote(self.rest)}: give True or False")
         if self.offset is not None:
             check_text("Stop", offset=self.offset)
 

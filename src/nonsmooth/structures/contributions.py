@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, is_known
-from nonsmooth.real_numbers import finite_real, shown
+from nonsmooth.errors import ModelError, is_known, quote
+from nonsmooth.real_numbers import finite_real
 from nonsmooth.structures.coordinates import is_rotation, place_of
 from nonsmooth.structures.generalized_form import GeneralizedForm
 from nonsmooth.structures.state_names import state_name, velocity_name, weighted_sum
@@ -221,15 +221,15 @@ def check_coordinates(kind: str, *, several: bool = False, **values: Any) -> Non
                 else ""
             )
             raise ModelError(
-                f"{kind}: {name} = {shown(value)}: give the name or number of a coordinate{more}"
+                f"{kind}: {name} = {quote(value)}: give the name or number of a coordinate{more}"
             )
         if weighted:
             factors = [
-                finite_real(f"{kind}: {name}[{shown(each)}]", factor, ModelError)
+                finite_real(f"{kind}: {name}[{quote(each)}]", factor, ModelError)
                 for each, factor in value.items()
             ]
             if not any(factors):
-                raise ModelError(f"{kind}: {name} = {shown(value)}: give a factor that is not zero")
+                raise ModelError(f"{kind}: {name} = {quote(value)}: give a factor that is not zero")
 
 
 def rate_of_text(text: str) -> str:
@@ -243,7 +243,7 @@ def check_name(kind: str, name: Any) -> None:
     """Refuse what cannot begin the names of parameters and outputs."""
     if not isinstance(name, str) or (name and not is_name(name)):
         raise ModelError(
-            f"{kind}: name={shown(name)} is not a name; use ASCII letters, digits and _, not a"
+            f"{kind}: name={quote(name)} is not a name; use ASCII letters, digits and _, not a"
             f" reserved word{why_no_name(str(name))}"
         )
 
@@ -260,4 +260,4 @@ def check_text(kind: str, **values: Any) -> None:
 def check_side(kind: str, side: Any, known: Sequence[str]) -> None:
     """Refuse a side that does not exist."""
     if not is_known(side, known):
-        raise ModelError(f"{kind}: side={shown(side)} is not known; give {' or '.join(known)}")
+        raise ModelError(f"{kind}: side={quote(side)} is not known; give {' or '.join(known)}")

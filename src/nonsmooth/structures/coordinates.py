@@ -7,8 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from nonsmooth.errors import ModelError, NonsmoothError, OptionError, unknown_name
-from nonsmooth.real_numbers import shown
+from nonsmooth.errors import ModelError, NonsmoothError, OptionError, quote, unknown_name
 
 __all__ = [
     "NodePlane",
@@ -38,11 +37,11 @@ def coordinate_names(given: Any, size: int) -> tuple[str, ...]:
     if given is None or (isinstance(given, tuple) and not given):
         return tuple(f"q{i}" for i in range(size))
     if isinstance(given, str) or not isinstance(given, Iterable):
-        raise ModelError(f"coordinates = {shown(given)}: give a list of {size} names")
+        raise ModelError(f"coordinates = {quote(given)}: give a list of {size} names")
     names = tuple(given)
     for name in names:
         if not isinstance(name, str) or not name.strip():
-            raise ModelError(f"coordinates: {shown(name)} is no name; give a text such as '3x'")
+            raise ModelError(f"coordinates: {quote(name)} is no name; give a text such as '3x'")
     if len(names) != size:
         raise ModelError(
             f"coordinates: {len(names)} names for {size} degrees of freedom; give one for each"
@@ -111,7 +110,7 @@ def place_of(
         place = -1
     if isinstance(name, bool) or not 0 <= place < len(names):
         raise error(
-            f"{where}: there is no coordinate {shown(name)}; give a name, or a number from 0 to"
+            f"{where}: there is no coordinate {quote(name)}; give a name, or a number from 0 to"
             f" {len(names) - 1}"
         )
     return place
@@ -129,7 +128,7 @@ def places_of(
         raise error(f"{where}: there is none; give at least one coordinate")
     found = [place_of(each, names, where, error) for each in listed]
     if len(set(found)) < len(found):
-        raise error(f"{where} = {shown(given)}: a coordinate stands twice")
+        raise error(f"{where} = {quote(given)}: a coordinate stands twice")
     return found
 
 

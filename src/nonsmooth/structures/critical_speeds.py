@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, RunError
+from nonsmooth.errors import OptionError, RunError, quote
 from nonsmooth.real_numbers import finite_numbers, whole_number
 from nonsmooth.structures.eigenpairs import refined
 from nonsmooth.structures.following import ALIKE, FollowedModes, assurance, follow, nearby
@@ -120,7 +120,7 @@ def campbell(
     count = whole_number("count", count)
     orders = finite_numbers("harmonics", harmonics).ravel()
     if not (orders > 0.0).all():
-        raise OptionError(f"harmonics = {harmonics!r:.60}: each is positive")
+        raise OptionError(f"harmonics = {quote(harmonics)}: each is positive")
     structure = computing_form(structure)
     path = follow(partial(Pencil, structure), axis, count)
     followed = path.rows(axis)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, quote
 from nonsmooth.real_numbers import finite_real
 
 __all__ = [
@@ -176,5 +176,5 @@ class PrismaticBeam(ABC):
         object.__setattr__(self, "poissons_ratio", ratio)
         for name in ("shear", "rotary_inertia"):
             if not isinstance(getattr(self, name), bool):
-                given = f"{getattr(self, name)!r:.60}"
+                given = f"{quote(getattr(self, name))}"
                 raise ModelError(f"{kind}: {name} = {given}: give True or False")

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, is_known
-from nonsmooth.real_numbers import finite_real, shown
+from nonsmooth.errors import ModelError, is_known, quote
+from nonsmooth.real_numbers import finite_real
 from nonsmooth.structures.contributions import (
     Attachment,
     Contribution,
@@ -224,9 +224,9 @@ def _check_direction(kind: str, direction: Any) -> None:
     if isinstance(direction, Mapping):
         for coordinate, factor in direction.items():
             check_coordinates(kind, **{"a key of direction": coordinate})
-            finite_real(f"{kind}: direction[{shown(coordinate)}]", factor, ModelError)
+            finite_real(f"{kind}: direction[{quote(coordinate)}]", factor, ModelError)
     elif not is_known(direction, _DIRECTIONS):
-        raise ModelError(f"{kind}: direction = {shown(direction)}: give {_ALLOWED}")
+        raise ModelError(f"{kind}: direction = {quote(direction)}: give {_ALLOWED}")
 
 
 def _inertia_forces(name: str, direction: Any, place: Attachment) -> npt.NDArray[np.float64]:
@@ -246,6 +246,6 @@ def _inertia_forces(name: str, direction: Any, place: Attachment) -> npt.NDArray
         along[in_direction(direction, structure.coordinates)] = 1.0
     if not along.any():
         raise ModelError(
-            f"{name}: direction = {shown(direction)}: no coordinate moves so; give {_ALLOWED}"
+            f"{name}: direction = {quote(direction)}: no coordinate moves so; give {_ALLOWED}"
         )
     return place.shares(structure.mass @ along)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import NonsmoothError, OptionError
+from nonsmooth.errors import NonsmoothError, OptionError, quote
 from nonsmooth.real_numbers import finite_numbers, whole_number
 from nonsmooth.structures.critical_speeds import speeds_of
 from nonsmooth.structures.following import follow
@@ -134,5 +134,7 @@ def _made(make: Callable[[float], Any], value: float) -> Structure:
             " it takes one value, and returns a Structure for each"
         ) from error
     if not isinstance(made, Structure):
-        raise OptionError(f"structure({value:g}) is {made!r:.40}; the function returns a Structure")
+        raise OptionError(
+            f"structure({value:g}) is {quote(made)}; the function returns a Structure"
+        )
     return made

@@ -9,8 +9,8 @@ from itertools import product
 from typing import Any
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, OptionError, ResultWarning, unknown_name
-from nonsmooth.real_numbers import finite_numbers, shown
+from nonsmooth.errors import ModelError, OptionError, ResultWarning, quote, unknown_name
+from nonsmooth.real_numbers import finite_numbers
 from nonsmooth.structures.contacts import DryFriction, GapSpring, Stop
 from nonsmooth.structures.contributions import Attachment, Contribution, RingModes
 from nonsmooth.structures.coordinates import exchanged, is_rotation, place_of
@@ -249,7 +249,7 @@ def _listed(where: str, given: Any, known: tuple[type, ...]) -> list[Any]:
     for each in listed:
         if not isinstance(each, known):
             names = ", ".join(kind.__name__ for kind in known)
-            raise OptionError(f"{where}: {shown(each)} is none; give some of {names}")
+            raise OptionError(f"{where}: {quote(each)} is none; give some of {names}")
     return listed
 
 
@@ -328,7 +328,7 @@ def _speed_range(given: Any) -> tuple[float, float] | None:
         return None
     values = finite_numbers("speed_range", given)
     if values.shape != (2,) or not values[0] < values[1]:
-        raise OptionError(f"speed_range = {shown(given)}: give two speeds in rad/s, increasing")
+        raise OptionError(f"speed_range = {quote(given)}: give two speeds in rad/s, increasing")
     return float(values[0]), float(values[1])
 
 

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, quote
 from nonsmooth.matrix_files import MATRIX_SUFFIXES, read_archive, read_matrix
-from nonsmooth.real_numbers import shown
 
 __all__ = ["MATRICES", "check_definite", "dense", "frozen", "is_sparse", "placed", "read_matrices",
            "read_structure", "scaled"]  # fmt: skip
@@ -78,7 +77,7 @@ def _square(name: str, given: Any) -> Any:
         objects = getattr(getattr(given, "dtype", None), "kind", "") == "O"
         cure = "; this is an array of Python objects: turn it by .astype(float)" if objects else ""
         raise ModelError(
-            f"{name} = {shown(given)}: a matrix has real numbers in rows of one length{cure}"
+            f"{name} = {quote(given)}: a matrix has real numbers in rows of one length{cure}"
         ) from None
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.shape[0]:
         raise ModelError(

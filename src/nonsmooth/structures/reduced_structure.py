@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
-from nonsmooth.real_numbers import finite_numbers, finite_real, shown
+from nonsmooth.errors import OptionError, quote
+from nonsmooth.real_numbers import finite_numbers, finite_real
 from nonsmooth.structures.coordinates import place_of, places_of
 from nonsmooth.structures.generalized_form import generalized_form
 from nonsmooth.structures.state_names import state_name
@@ -82,7 +82,7 @@ class ReducedStructure:
 
     def __post_init__(self) -> None:
         if not isinstance(self.structure, Structure):
-            raise OptionError(f"structure = {shown(self.structure)} is no Structure")
+            raise OptionError(f"structure = {quote(self.structure)} is no Structure")
         for name in ("basis", "squares"):
             values = finite_numbers(name, getattr(self, name))
             values.setflags(write=False)
@@ -94,13 +94,13 @@ class ReducedStructure:
             )
         if not isinstance(self.keep, tuple) or not isinstance(self.held, tuple):
             name = "held" if isinstance(self.keep, tuple) else "keep"
-            raise OptionError(f"{name} = {shown(getattr(self, name))}: give a tuple")
+            raise OptionError(f"{name} = {quote(getattr(self, name))}: give a tuple")
         for name in self.keep:
             place_of(name, self.structure.coordinates, "keep")
         if not isinstance(self.method, str):
-            raise OptionError(f"method = {shown(self.method)}: give a text")
+            raise OptionError(f"method = {quote(self.method)}: give a text")
         if self.estimate is not None and not hasattr(self.estimate, "data_vars"):
-            raise OptionError(f"estimate = {shown(self.estimate)}: give a dataset, or None")
+            raise OptionError(f"estimate = {quote(self.estimate)}: give a dataset, or None")
 
     def __repr__(self) -> str:
         names = ", ".join(self.keep[:_SHOWN]) + (", ..." if len(self.keep) > _SHOWN else "")
@@ -264,7 +264,7 @@ class ReducedStructure:
         if isinstance(given, Mapping):
             for name, value in given.items():
                 place = place_of(name, self.structure.coordinates, where)
-                values[place] = finite_real(f"{where}[{shown(name)}]", value)
+                values[place] = finite_real(f"{where}[{quote(name)}]", value)
             return values
         values = finite_numbers(where, given)
         if values.shape != (self.structure.size,):

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
-from nonsmooth.real_numbers import finite_numbers, shown, whole_number
+from nonsmooth.errors import OptionError, quote
+from nonsmooth.real_numbers import finite_numbers, whole_number
 from nonsmooth.structures.coordinates import place_of
 from nonsmooth.structures.matrices import placed
 from nonsmooth.structures.receptance_error import (
@@ -267,7 +267,7 @@ def _interface(structure: Structure, keep: tuple[str, ...]) -> npt.NDArray[np.in
         raise OptionError("keep: there is none; give the coordinates of contacts")
     wanted = [place_of(name, structure.coordinates, "keep") for name in keep]
     if len(set(wanted)) < len(wanted):
-        raise OptionError(f"keep = {shown(keep)}: a coordinate stands twice")
+        raise OptionError(f"keep = {quote(keep)}: a coordinate stands twice")
     held = [structure.index(c) for bearing in structure.bearings for c in bearing.coordinates]
     return np.array(list(dict.fromkeys([*wanted, *held])))
 
@@ -312,7 +312,7 @@ def _band(given: Any) -> tuple[float, float]:
     values = finite_numbers("frequency_range", given)
     if values.shape != (2,) or not 0.0 <= values[0] < values[1]:
         raise OptionError(
-            f"frequency_range = {shown(given)}: give two frequencies in rad/s, such as (0, 1000)"
+            f"frequency_range = {quote(given)}: give two frequencies in rad/s, such as (0, 1000)"
         )
     low, high = values.tolist()
     return max(low, 1e-4 * high), high  # a free body has no receptance at zero

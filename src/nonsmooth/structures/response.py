@@ -10,8 +10,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.real_numbers import finite_numbers, finite_real, shown
+from nonsmooth.errors import ModelError, OptionError, quote
+from nonsmooth.real_numbers import finite_numbers, finite_real
 from nonsmooth.structures.coordinates import in_direction, place_of, places_of
 from nonsmooth.structures.modes import warn_if_unstable
 from nonsmooth.structures.pencil import Pencil, computing_form, regular_solver
@@ -209,19 +209,19 @@ def _force(load: Any, gravity: Mapping[str, float] | None, structure: Structure)
     force = np.zeros(structure.size)
     if isinstance(load, Mapping):
         for name, value in load.items():
-            force[place_of(name, names, "load")] += finite_real(f"load[{name!r:.40}]", value)
+            force[place_of(name, names, "load")] += finite_real(f"load[{quote(name)}]", value)
     elif load is not None:
         force = finite_numbers("load", load)
         if force.shape != (structure.size,):
             raise OptionError(
-                f"load = {shown(load)}: give a number for each of the {structure.size} coordinates,"
+                f"load = {quote(load)}: give a number for each of the {structure.size} coordinates,"
                 " or a mapping of names to numbers"
             )
     for direction, value in (gravity or {}).items():
         places = in_direction(direction, names) if direction in ("x", "y", "z") else []
         if not places:
             raise OptionError(
-                f"gravity: no coordinate has the direction {direction!r:.40}; give x, y or z, with"
+                f"gravity: no coordinate has the direction {quote(direction)}; give x, y or z, with"
                 " which names such as '3y' end"
             )
         along = np.zeros(structure.size)

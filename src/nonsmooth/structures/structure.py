@@ -12,8 +12,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, ResultWarning
-from nonsmooth.real_numbers import shown
+from nonsmooth.errors import ModelError, ResultWarning, quote
 from nonsmooth.structures.bearing import Bearing
 from nonsmooth.structures.coordinates import coordinate_names, place_of, places_of
 from nonsmooth.structures.matrices import (
@@ -426,12 +425,12 @@ def _bearings(given: Any, names: tuple[str, ...]) -> tuple[tuple[Bearing, ...], 
     """Bearings, and the rows and columns that each one acts on."""
     listed = (given,) if isinstance(given, Bearing) else given
     if isinstance(listed, str) or not isinstance(listed, Iterable):
-        raise ModelError(f"bearings = {shown(given)}: give a list of Bearing")
+        raise ModelError(f"bearings = {quote(given)}: give a list of Bearing")
     bearings = tuple(listed)
     for each in bearings:
         if not isinstance(each, Bearing):
             raise ModelError(
-                f"bearings: {shown(each)} is none; make it by nonsmooth.structures.Bearing"
+                f"bearings: {quote(each)} is none; make it by nonsmooth.structures.Bearing"
             )
     places = [
         places_of(each.coordinates, names, f"bearings[{i}]", ModelError)

@@ -10,8 +10,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.real_numbers import finite_real, shown
+from nonsmooth.errors import ModelError, OptionError, quote
+from nonsmooth.real_numbers import finite_real
 from nonsmooth.structures.coordinates import NodePlane, node_plane, place_of, planes
 from nonsmooth.structures.critical_speeds import speed_axis, speeds_of
 from nonsmooth.structures.modes import warn_if_unstable
@@ -144,16 +144,16 @@ def _unbalances(given: Any, names: tuple[str, ...]) -> list[tuple[NodePlane, flo
     """NodePlane, moment and phase of each."""
     words = "(node, moment) or (node, moment, phase)"
     if not isinstance(given, list | tuple) or not given:
-        raise OptionError(f"unbalance = {shown(given)}: give {words}, or a list of these")
+        raise OptionError(f"unbalance = {quote(given)}: give {words}, or a list of these")
     single = isinstance(given, tuple) and not isinstance(given[-1], list | tuple)
     found = []
     for each in [given] if single else given:
         if not isinstance(each, list | tuple) or len(each) not in (2, 3):
-            raise OptionError(f"unbalance = {shown(each)}: give {words}")
+            raise OptionError(f"unbalance = {quote(each)}: give {words}")
         node, moment, phase = (*each, 0.0)[:3]
         if isinstance(node, list | tuple):
             if len(node) != 2:
-                raise OptionError(f"unbalance: {shown(node)}: give the coordinates of x and of y")
+                raise OptionError(f"unbalance: {quote(node)}: give the coordinates of x and of y")
             x, y = (place_of(one, names, "unbalance") for one in node)
             plane = NodePlane("", x, y)
         else:

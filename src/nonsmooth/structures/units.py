@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.errors import ModelError, quote, unknown_name
 from nonsmooth.structures.coordinates import is_rotation
 
 __all__ = ["UnitFactors", "factors_of"]
@@ -62,7 +62,7 @@ def _named(units: Any) -> dict[str, str]:
     else:
         texts = units.replace(",", " ").split() if isinstance(units, str) else units
         if not isinstance(texts, Iterable):
-            raise ModelError(f"units = {units!r:.60}: give names such as 'mm, N, kg, s'")
+            raise ModelError(f"units = {quote(units)}: give names such as 'mm, N, kg, s'")
         pairs = [(_quantity(text), text) for text in texts]
     if not pairs:
         raise ModelError("units: there is none; leave units= out where numbers are in SI")

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NoReturn, TypeVar
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, quote
 from nonsmooth.system.text.grammar import is_name, why_no_name
 
 __all__ = ["STOP", "Exit", "FrozenDict", "Mode", "Text", "items_of"]
@@ -43,7 +43,7 @@ def items_of(value: Any, wanted: str) -> tuple[Any, ...]:
             return tuple(value)
     except TypeError:  # nothing to go through, whatever the type promises
         pass
-    raise ModelError(f"{wanted}, not {value!r:.60}")
+    raise ModelError(f"{wanted}, not {quote(value)}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,12 +85,14 @@ class Exit:
 
     def __post_init__(self) -> None:
         if not isinstance(self.reset, Mapping):
-            raise ModelError(f"Exit: reset maps state names to expressions, not {self.reset!r:.60}")
+            raise ModelError(
+                f"Exit: reset maps state names to expressions, not {quote(self.reset)}"
+            )
         object.__setattr__(self, "reset", FrozenDict(self.reset))
         for label, value in (("to", self.to), ("name", self.name), ("sticks", self.sticks)):
             if value is not None and not (isinstance(value, str) and is_name(value)):
                 raise ModelError(
-                    f"Exit: {label}={value!r:.60} is not a name; use ASCII letters, digits and _,"
+                    f"Exit: {label}={quote(value)} is not a name; use ASCII letters, digits and _,"
                     f" not a reserved word{why_no_name(value)}"
                 )
 
@@ -143,7 +145,7 @@ class Mode:
         for label in ("flow", "slaved", "definitions"):
             value = getattr(self, label)
             if not isinstance(value, Mapping):
-                raise ModelError(f"Mode: {label} maps names to expressions, not {value!r:.60}")
+                raise ModelError(f"Mode: {label} maps names to expressions, not {quote(value)}")
             object.__setattr__(self, label, FrozenDict(value))
         exits = (
             (self.exits,)
@@ -153,16 +155,16 @@ class Mode:
         for position, way in enumerate(exits):
             if not isinstance(way, Exit):
                 raise ModelError(
-                    f"Mode: exits[{position}] is {way!r:.60}; write Exit(guard, to=...)"
+                    f"Mode: exits[{position}] is {quote(way)}; write Exit(guard, to=...)"
                 )
         object.__setattr__(self, "exits", exits)
         if self.cells is not None:
             if not isinstance(self.cells, Mapping):
-                raise ModelError(f"Mode: cells maps signs to names, not {self.cells!r:.60}")
+                raise ModelError(f"Mode: cells maps signs to names, not {quote(self.cells)}")
             for signs, name in self.cells.items():
                 if not isinstance(signs, str) or not isinstance(name, str) or not is_name(name):
                     raise ModelError(
-                        f"Mode: cells[{signs!r:.60}] = {name!r:.60}: give names by signs, such as"
+                        f"Mode: cells[{quote(signs)}] = {quote(name)}: give names by signs, such as"
                         " {'+-': 'left'}; a name has ASCII letters, digits and _"
                     )
             object.__setattr__(self, "cells", FrozenDict(self.cells) or None)

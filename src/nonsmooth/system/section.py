@@ -17,7 +17,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, quote
 from nonsmooth.system.algebra.differentiate import rate_of_change
 from nonsmooth.system.algebra.graph import Graph
 from nonsmooth.system.algebra.identities import is_rounding
@@ -89,7 +89,7 @@ def with_section(system: System, text: str) -> Section:
 
 
 def _made(system: System, text: str) -> Section:
-    structure, place = system.structure, f"section = {text!r:.80}"
+    structure, place = system.structure, f"section = {quote(text)}"
     try:
         expression = _expression(text)
         equation = Equation.read(expression, "section", section_names(system))

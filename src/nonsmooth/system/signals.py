@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.record import Rows, rows_of
 from nonsmooth.engine.tables import CHAIN
-from nonsmooth.errors import ModelError, is_known
+from nonsmooth.errors import ModelError, is_known, quote
 
 __all__ = ["LAST_DERIVATIVE", "METHODS", "Signal", "signal_arrays", "values_of"]
 
@@ -69,7 +69,7 @@ class Signal:
     def __post_init__(self) -> None:
         if not is_known(self.method, METHODS):
             raise ModelError(
-                f"Signal: method = {self.method!r:.60}; known are {', '.join(METHODS)}"
+                f"Signal: method = {quote(self.method)}; known are {', '.join(METHODS)}"
             )
         times, values = _numbers("times", self.times), _numbers("values", self.values)
         _check_knots(times, values, _LEAST[self.method], self.method)
@@ -180,7 +180,7 @@ def _numbers(what: str, given: Any) -> Floats:
         # adding zero makes one spelling of both zeros, so that equal signals are one
         numbers: Floats = array.astype(float) + 0.0
     except (TypeError, ValueError, OverflowError):
-        raise ModelError(f"Signal: {what} = {given!r:.60}: give a list of numbers") from None
+        raise ModelError(f"Signal: {what} = {quote(given)}: give a list of numbers") from None
     if numbers.ndim != 1:
         raise ModelError(
             f"Signal: {what} has the shape {numbers.shape}; give a list of numbers, one signal for"

@@ -7,8 +7,8 @@ from dataclasses import replace
 from numbers import Real
 from typing import Any
 
-from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.real_numbers import finite_real, shown
+from nonsmooth.errors import ModelError, OptionError, quote
+from nonsmooth.real_numbers import finite_real
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.equations.mode_equations import ModeEquations, is_relation
 from nonsmooth.system.parts import Exit, Mode, Text
@@ -110,7 +110,7 @@ def smoothed(system: System, epsilon: float | str, *, kind: str = "tanh") -> Sys
     """
     if not isinstance(system, System):
         raise OptionError(
-            f"system = {system!r:.60} is not a System; write one, or take one from ns.models"
+            f"system = {quote(system)} is not a System; write one, or take one from ns.models"
         )
     check_kind(kind)
     width = _width(system, epsilon)
@@ -139,21 +139,21 @@ def smoothed(system: System, epsilon: float | str, *, kind: str = "tanh") -> Sys
 def check_kind(kind: Any) -> None:
     """Refuse an unknown kind of smooth sign."""
     if not isinstance(kind, str) or kind not in KINDS:
-        raise OptionError(f"kind = {kind!r:.60} is not known; give one of {', '.join(KINDS)}")
+        raise OptionError(f"kind = {quote(kind)} is not known; give one of {', '.join(KINDS)}")
 
 
 def _width(system: System, epsilon: Any) -> Expression:
     """Width as a number, or as the name of a new parameter."""
     if isinstance(epsilon, str):
         if not is_name(epsilon):
-            raise OptionError(f"epsilon = {epsilon!r:.60} is neither a positive number nor a name")
+            raise OptionError(f"epsilon = {quote(epsilon)} is neither a positive number nor a name")
         if epsilon in _names_of(system):
             raise OptionError(
                 f"epsilon = {epsilon!r}: the system has this name already; choose a new one"
             )
         return Name(epsilon)
     if isinstance(epsilon, bool) or not isinstance(epsilon, Real):
-        raise OptionError(f"epsilon = {shown(epsilon)} is neither a positive number nor a name")
+        raise OptionError(f"epsilon = {quote(epsilon)} is neither a positive number nor a name")
     width = finite_real("epsilon", epsilon, wanted="a positive and finite one")
     if not width > 0.0:
         raise OptionError(f"epsilon = {width:g} must be positive and finite")
@@ -182,9 +182,9 @@ def _refuse_jumps(system: System) -> None:
     for name, surface in system.surfaces.items():
         if surface.hold is not None:
             raise ModelError(
-                f"surfaces[{name!r}]: hold={str(surface.hold)!r:.60} belongs to motion that sticks,"
-                " and smoothed nothing does; leave hold= out, or write a force that falls with the"
-                f" slip, such as (F_k + (F_s - F_k)*exp(-({name}/v_s)**2))*sign({name})"
+                f"surfaces[{name!r}]: hold={quote(str(surface.hold))} belongs to motion that"
+                " sticks, and smoothed nothing does; leave hold= out, or write a force that falls"
+                f" with the slip, such as (F_k + (F_s - F_k)*exp(-({name}/v_s)**2))*sign({name})"
             )
 
 

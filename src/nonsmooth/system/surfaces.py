@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.errors import ModelError, is_known
+from nonsmooth.errors import ModelError, is_known, quote
 from nonsmooth.system.parts import Text
 from nonsmooth.system.text.grammar import is_name, why_no_name
 
@@ -66,19 +66,19 @@ class Surface:
     def __post_init__(self) -> None:
         if isinstance(self.function, bool) or not isinstance(self.function, str | int | float):
             raise ModelError(
-                f"Surface: {self.function!r:.60} is no expression; give what is zero on the"
+                f"Surface: {quote(self.function)} is no expression; give what is zero on the"
                 " surface, such as 'v - v_b'"
             )
         if isinstance(self.hold, bool) or not isinstance(self.hold, str | int | float | None):
             raise ModelError(
-                f"Surface: hold={self.hold!r:.60} is no expression; give static over kinetic"
+                f"Surface: hold={quote(self.hold)} is no expression; give static over kinetic"
                 " friction, such as 'F_s/F_k', or leave it out"
             )
         for label in ("below", "on", "above"):
             value = getattr(self, label)
             if value is not None and not (isinstance(value, str) and is_name(value)):
                 raise ModelError(
-                    f"Surface: {label}={value!r:.60} is not a name; use ASCII letters, digits and"
+                    f"Surface: {label}={quote(value)} is not a name; use ASCII letters, digits and"
                     f" _, not a reserved word{why_no_name(value)}"
                 )
         names = [name for name in (self.below, self.on, self.above) if name is not None]
@@ -90,6 +90,6 @@ class Surface:
                 )
         if self.on_nonunique is not None and not is_known(self.on_nonunique, ("below", "above")):
             raise ModelError(
-                f"Surface: on_nonunique={self.on_nonunique!r:.60} is not known; give 'below' or"
+                f"Surface: on_nonunique={quote(self.on_nonunique)} is not known; give 'below' or"
                 " 'above', or leave it out"
             )

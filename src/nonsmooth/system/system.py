@@ -14,7 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TextIO
 
-from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.errors import ModelError, quote, unknown_name
 from nonsmooth.files import check_target, replacing
 from nonsmooth.system.model.evaluated import EvaluatedSystem
 from nonsmooth.system.model.explain import explanation
@@ -192,7 +192,7 @@ class System(EvaluatedSystem):
                 raise ModelError(unknown_name("parameter", name, self.parameters))
             if name in self.slow:
                 raise ModelError(
-                    f"{name} follows slow={{{name!r}: {str(self.slow[name])!r:.60}}}, so a value"
+                    f"{name} follows slow={{{name!r}: {quote(str(self.slow[name]))}}}, so a value"
                     " has no effect; change the parameters in that text, or leave it out"
                 )
         other = object.__new__(System)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy.stats import qmc
 
 from nonsmooth.analysis.options import completion_rule
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.runner import build_tables
@@ -59,7 +59,7 @@ class Completion:
             name = self.system.states[column]
             given = ", ".join(f"{n} = {v:g}" for n, v in zip(self.given, values[row], strict=True))
             raise OptionError(
-                f"completion[{name!r}] = {self.texts.get(name)!r:.60} is {whole[row, column]} at"
+                f"completion[{name!r}] = {quote(self.texts.get(name))} is {whole[row, column]} at"
                 f" {given}; write it so that it is finite in the whole region"
             )
         return whole
@@ -144,14 +144,14 @@ def read_completion(system: System, given: tuple[str, ...], texts: Any) -> Compl
     """Rules for the states that a region leaves open; those without one are at rest."""
     if texts is not None and not isinstance(texts, Mapping):
         raise OptionError(
-            f"completion = {texts!r:.60}: give a mapping of states to numbers or expressions, such"
+            f"completion = {quote(texts)}: give a mapping of states to numbers or expressions, such"
             f" as {{{system.states[-1]!r}: 0.0}}"
         )
     rules: dict[str, Expression | float] = {}
     known = [*system.parameter_values, *given]
     for name, text in (texts or {}).items():
         if name not in system.states:
-            raise OptionError(f"completion: {unknown_name('state', str(name), system.states)}")
+            raise OptionError(f"completion: {unknown_name('state', name, system.states)}")
         if name in given:
             raise OptionError(f"completion: {name!r} is in the region already; leave one out")
         rules[name] = _rule(name, text, known)
@@ -173,12 +173,12 @@ def _check_names(system: System, region: Any, least: int) -> tuple[str, ...]:
     if not isinstance(region, Mapping) or len(region) < least:
         what = "one state" if least == 1 else "two states"
         raise OptionError(
-            f"region = {region!r:.60}: give a mapping of at least {what} to ranges, such as"
+            f"region = {quote(region)}: give a mapping of at least {what} to ranges, such as"
             f" {{{system.states[0]!r}: (-1.0, 1.0)}}"
         )
     for name in region:
         if name not in system.states:
-            raise OptionError(f"region: {unknown_name('state', str(name), system.states)}")
+            raise OptionError(f"region: {unknown_name('state', name, system.states)}")
     return tuple(region)
 
 
@@ -194,13 +194,13 @@ def _ends(name: str, given: Any) -> tuple[float, float]:
     values = _numbers(name, given)
     if isinstance(given, tuple) and values.size != 2:
         raise OptionError(
-            f"region[{name!r}] = {given!r:.60}: give two numbers, the lower one first, or fix the"
+            f"region[{name!r}] = {quote(given)}: give two numbers, the lower one first, or fix the"
             " state by completion="
         )
     low, high = float(values[0]), float(values[-1])
     if values.size < 2 or np.any(np.diff(values) < 0.0) or low == high:
         raise OptionError(
-            f"region[{name!r}] = {given!r:.60} is empty or not in order; give two numbers, the"
+            f"region[{name!r}] = {quote(given)} is empty or not in order; give two numbers, the"
             " lower one first, or fix the state by completion="
         )
     return low, high
@@ -215,8 +215,8 @@ def read_grid(system: System, region: Any, completion: Any, least: int = 2) -> G
         if isinstance(region[name], tuple) and _is_range(region[name]):
             count = region[name][2] if values.size > 2 else 200
             raise OptionError(
-                f"region[{name!r}] = {region[name]!r:.60} is a range, and a grid needs the value of"
-                f" each row of cells, such as np.linspace({values[0]:g}, {values[1]:g}, {count})"
+                f"region[{name!r}] = {quote(region[name])} is a range, and a grid needs the value"
+                f" of each row of cells, such as np.linspace({values[0]:g}, {values[1]:g}, {count})"
             )
         if values.size < 2 or np.any(np.diff(values) <= 0.0):
             raise OptionError(
@@ -251,7 +251,7 @@ def _numbers(name: str, given: Any) -> Floats:
         values = np.array(np.nan)
     if values.ndim != 1 or values.size == 0 or not np.all(np.isfinite(values)):
         raise OptionError(
-            f"region[{name!r}] = {given!r:.60}: give a range of finite numbers, such as"
+            f"region[{name!r}] = {quote(given)}: give a range of finite numbers, such as"
             " (-1.0, 1.0), or a list of values"
         )
     return values

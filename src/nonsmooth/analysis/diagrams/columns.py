@@ -13,7 +13,7 @@ from nonsmooth.analysis.diagrams.chain_links import End, pack_end, take_end
 from nonsmooth.analysis.options import check_match
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import OptionError, is_known, unknown_choice, unknown_name
+from nonsmooth.errors import OptionError, is_known, quote, unknown_choice, unknown_name
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.outputs import SampleClock, output_values
@@ -139,8 +139,8 @@ def _exits(chosen: Map, at: Any, side: Any) -> npt.NDArray[np.bool_] | None:
     system = chosen.system
     if isinstance(chosen, PoincareMap) and (at, side) != ("strobe", "before"):
         raise OptionError(
-            f"at = {at!r:.60}, side = {side!r:.60}: the map says itself where its points lie and on"
-            " which side of an event; give these to PoincareMap"
+            f"at = {quote(at)}, side = {quote(side)}: the map says itself where its points lie and"
+            " on which side of an event; give these to PoincareMap"
         )
     if is_known(at, ("strobe",)):
         if side != "before":
@@ -152,7 +152,7 @@ def _exits(chosen: Map, at: Any, side: Any) -> npt.NDArray[np.bool_] | None:
     names = system.compiled.exit_names
     known = dict.fromkeys(name for of_mode in names for name in of_mode)
     if not is_known(at, known):
-        raise OptionError(f"at: {unknown_name('event', str(at), ['strobe', *known])}")
+        raise OptionError(f"at: {unknown_name('event', at, ['strobe', *known])}")
     most = max(len(of_mode) for of_mode in names)
     found = np.zeros((len(names), most), bool)
     for m, of_mode in enumerate(names):

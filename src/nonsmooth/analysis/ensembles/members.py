@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, is_known, unknown_choice, unknown_name
+from nonsmooth.errors import OptionError, is_known, quote, unknown_choice, unknown_name
 from nonsmooth.runs.memory import free_memory, size_text
 from nonsmooth.runs.start import check_carried, unknown_state
 from nonsmooth.system.system import System
@@ -135,14 +135,14 @@ def split_parameters(
         return {}, {}
     if not isinstance(parameters, Mapping):
         raise OptionError(
-            f"parameters = {parameters!r:.60}: give a mapping of names to numbers or to lists of"
+            f"parameters = {quote(parameters)}: give a mapping of names to numbers or to lists of"
             " numbers"
         )
     single: dict[str, float | str] = {}
     several: dict[str, Floats] = {}
     for name, value in parameters.items():
         if isinstance(system, System) and name not in system.parameters:
-            raise OptionError(unknown_name("parameter", str(name), system.parameters))
+            raise OptionError(unknown_name("parameter", name, system.parameters))
         if isinstance(value, str | Real) or np.ndim(value) == 0:
             single[name] = value
         else:
@@ -159,7 +159,7 @@ def _starts(system: System, initial: Any) -> tuple[dict[str, Floats], int]:
     if not isinstance(initial, Sequence) or isinstance(initial, str):
         first = system.states[0]
         raise OptionError(
-            f"initial = {initial!r:.60}: give a mapping of states to numbers or lists of numbers,"
+            f"initial = {quote(initial)}: give a mapping of states to numbers or lists of numbers,"
             f" such as {{{first!r}: [0.1, 0.2]}}, or a list of mappings"
         )
     if not initial:
@@ -167,7 +167,7 @@ def _starts(system: System, initial: Any) -> tuple[dict[str, Floats], int]:
     names = None
     for i, each in enumerate(initial):
         if not isinstance(each, Mapping):
-            raise OptionError(f"initial[{i}] = {each!r:.60} is not a mapping of states to numbers")
+            raise OptionError(f"initial[{i}] = {quote(each)} is not a mapping of states to numbers")
         if names is not None and set(each) != names:
             raise OptionError(
                 f"initial[{i}] names {', '.join(map(str, each)) or 'no state'}, and initial[0]"
@@ -201,7 +201,7 @@ def _list(name: str, values: Any) -> Floats:
     try:
         array = np.atleast_1d(np.asarray(values, dtype=float))
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"{name} = {values!r:.60}: give a number or a list of numbers") from None
+        raise OptionError(f"{name} = {quote(values)}: give a number or a list of numbers") from None
     if array.ndim != 1 or array.size == 0:
         raise OptionError(
             f"{name} has the shape {array.shape}; give a number or a one-dimensional, non-empty"

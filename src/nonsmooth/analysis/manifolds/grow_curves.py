@@ -10,7 +10,7 @@ from nonsmooth.analysis.manifolds.manifold_dataset import CurveOfSide
 from nonsmooth.analysis.manifolds.saddle import Saddle, check_plane
 from nonsmooth.analysis.manifolds.stable import grow_stable
 from nonsmooth.analysis.manifolds.unstable import grow_unstable
-from nonsmooth.errors import OptionError, is_known
+from nonsmooth.errors import OptionError, is_known, quote
 from nonsmooth.runs.options import positive_number as positive
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.progress import HeldInterrupts, Progress
@@ -52,7 +52,7 @@ def grow_curves(
 def check_choice(name: str, value: Any, known: tuple[str, ...]) -> None:
     """Refuse what is none of some texts."""
     if not is_known(value, known):
-        raise OptionError(f"{name} = {value!r:.60} must be {' or '.join(map(repr, known))}")
+        raise OptionError(f"{name} = {quote(value)} must be {' or '.join(map(repr, known))}")
 
 
 def read_spacing(

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from nonsmooth.analysis.manifolds.local_map import Coordinates, LocalMap
 from nonsmooth.analysis.orbit_search.options import period_of, system_of_one
 from nonsmooth.engine.lanes import ANY
-from nonsmooth.errors import OptionError, RunWarning, unknown_name
+from nonsmooth.errors import OptionError, RunWarning, quote, unknown_name
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.poincare_map import PoincareMap
@@ -90,13 +90,13 @@ def read_scales(system: System, active: npt.NDArray[np.int64], scales: Any) -> F
     given = {} if scales is None else scales
     if not isinstance(given, Mapping):
         raise OptionError(
-            f"scales = {scales!r:.60}: give a mapping of states to sizes, such as"
+            f"scales = {quote(scales)}: give a mapping of states to sizes, such as"
             f" {{{names[0]!r}: 2.0}}"
         )
     found = np.ones(len(names))
     for name, value in given.items():
         if name not in names:
-            raise OptionError(f"scales: {unknown_name('state', str(name), names)}")
+            raise OptionError(f"scales: {unknown_name('state', name, names)}")
         number = finite_number(f"scales[{name!r}]", value)
         if not number > 0.0:
             raise OptionError(f"scales[{name!r}] = {number:g} must be positive")

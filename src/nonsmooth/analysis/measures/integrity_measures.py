@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.runs.options import positive_number
 from nonsmooth.runs.whole_turns import folded
 
@@ -261,12 +261,12 @@ def read_axis_scales(scales: Any, names: list[str]) -> Floats:
     """Sizes of the states of the region, one without a word."""
     if scales is not None and not isinstance(scales, Mapping):
         raise OptionError(
-            f"scales = {scales!r:.60}: give a mapping of states to sizes, such as {{{names[0]!r}:"
+            f"scales = {quote(scales)}: give a mapping of states to sizes, such as {{{names[0]!r}:"
             " 2.0}"
         )
     for name in scales or {}:
         if name not in names:
-            raise OptionError(f"scales: {unknown_name('state of the region', str(name), names)}")
+            raise OptionError(f"scales: {unknown_name('state of the region', name, names)}")
     return np.array(
         [positive_number(f"scales[{name!r}]", (scales or {}).get(name, 1.0)) for name in names]
     )

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.version import __version__
 
 __all__ = ["LEFT_OUT", "Outcomes", "blocks_of", "outcome_name", "outcomes_of"]
@@ -66,7 +66,7 @@ def outcomes_of(basins: Any, leave_out: Iterable[int] = LEFT_OUT) -> Outcomes:
         labels = np.asarray(array.values if isinstance(array, xr.DataArray) else array)
     except ValueError:  # rows of different lengths
         raise OptionError(
-            f"basins = {basins!r:.60}: give an array of whole numbers, one label per start"
+            f"basins = {quote(basins)}: give an array of whole numbers, one label per start"
         ) from None
     if labels.dtype.kind == "b":  # two outcomes; 0 would stand for none
         labels = labels.astype(np.int64) + 1
@@ -110,5 +110,5 @@ def _check_labels(leave_out: Any) -> tuple[int, ...]:
     except (TypeError, ValueError, OverflowError):
         whole = False
     if not whole:
-        raise OptionError(f"leave_out = {leave_out!r:.60}: give labels, such as (0, -2)")
+        raise OptionError(f"leave_out = {quote(leave_out)}: give labels, such as (0, -2)")
     return out

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.statistics.sizes_by_rates import AT_REST, sizes_by_rates
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.runs.options import whole_number
 from nonsmooth.system.system import System
 from nonsmooth.version import __version__
@@ -40,7 +40,7 @@ def points_of(
     try:
         numbers = np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"points = {data!r:.60}: give a dataset or an array (K, n)") from None
+        raise OptionError(f"points = {quote(data)}: give a dataset or an array (K, n)") from None
     if numbers.ndim == 1:
         numbers = numbers[:, None]
     if numbers.ndim != 2 or numbers.size == 0:
@@ -106,7 +106,7 @@ def _of_states(data: xr.Dataset, states: Any) -> Any:
     names = _states_among(data, known) if states is None else _check_names(states, known)
     dims = {data[name].dims for name in names}
     if len(dims) != 1:
-        raise OptionError(f"states = {names!r:.80} are not over the same points")
+        raise OptionError(f"states = {quote(names)} are not over the same points")
     values = {name: data[name].values for name in names}
     if states is None:
         has_modes = "mode" in data and data["mode"].dims in dims
@@ -143,12 +143,12 @@ def _check_names(states: Any, known: list[str]) -> list[str]:
     names = [states] if isinstance(states, str) else states
     if not isinstance(names, Iterable):
         raise OptionError(
-            f"states = {states!r:.60}: give a name or a list of names out of {', '.join(known)}"
+            f"states = {quote(states)}: give a name or a list of names out of {', '.join(known)}"
         )
     names = list(names)
     for name in names:
         if name not in known:
-            raise OptionError(f"states: {unknown_name('state', str(name), known)}")
+            raise OptionError(f"states: {unknown_name('state', name, known)}")
     if not names:
         raise OptionError(f"states= is empty; name some of {', '.join(known)}")
     return names

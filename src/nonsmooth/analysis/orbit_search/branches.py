@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.errors import OptionError, is_known
+from nonsmooth.errors import OptionError, is_known, quote
 from nonsmooth.periodic_orbits.branch_part import BranchPart
 from nonsmooth.periodic_orbits.multipliers import UNBOUNDED
 from nonsmooth.periodic_orbits.orbit import Orbit
 from nonsmooth.periodic_orbits.orbit_dataset import common, orbit_variables
 from nonsmooth.periodic_orbits.stretch import BranchOptions
-from nonsmooth.real_numbers import shown
 from nonsmooth.runs.labels import Columns
 from nonsmooth.runs.options import finite_number
 
@@ -28,7 +27,7 @@ _WAYS = ("both", "up", "down")
 def check_way(direction: Any) -> None:
     """A direction in which a parameter goes at first."""
     if not is_known(direction, _WAYS):
-        raise OptionError(f"direction = {direction!r:.60}: give one of {', '.join(_WAYS)}")
+        raise OptionError(f"direction = {quote(direction)}: give one of {', '.join(_WAYS)}")
 
 
 def read_steps(smallest: Any, first: Any, largest: Any) -> tuple[float, float, float]:
@@ -51,7 +50,7 @@ def read_bounds(between: Any) -> tuple[float, float]:
         if isinstance(fault, OptionError):
             raise
         raise OptionError(
-            f"between = {shown(between)}: give the lowest and the highest value, such as (0.1, 0.2)"
+            f"between = {quote(between)}: give the lowest and the highest value, such as (0.1, 0.2)"
         ) from None
     if not low < high:
         raise OptionError(f"between = ({low:g}, {high:g}): the first must be below the second")

@@ -8,7 +8,7 @@ import numpy as np
 
 from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.engine.tables import Tables
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, quote
 from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import is_orbit
 from nonsmooth.periodic_orbits.word import read_word, words_of_names
@@ -45,7 +45,7 @@ def read_wanted(
     if isinstance(system, StroboscopicMap):
         if phase != 0.0:
             raise OptionError(
-                f"phase = {phase!r:.60}: the map has a phase of its own; give it there"
+                f"phase = {quote(phase)}: the map has a phase of its own; give it there"
             )
         if system.period is not None:
             raise OptionError(

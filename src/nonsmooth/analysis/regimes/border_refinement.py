@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 from nonsmooth.runs.options import finite_number
 
 __all__ = ["UNKNOWN", "check_levels", "refine_borders", "refined_values"]
@@ -25,7 +25,7 @@ def check_levels(refine: Any) -> int:
     number = finite_number("refine", refine)
     if number != int(number) or not 0 <= number <= _LEVELS:
         raise OptionError(
-            f"refine = {refine!r:.60}: give how often cells are halved, a whole number from 0 to"
+            f"refine = {quote(refine)}: give how often cells are halved, a whole number from 0 to"
             f" {_LEVELS}"
         )
     return int(number)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.options import SharedOptions, refuse_fixed
 from nonsmooth.analysis.regimes.options import RegimeProtocol, check_system, make_protocol
-from nonsmooth.errors import ModelError, OptionError, unknown_name
+from nonsmooth.errors import ModelError, OptionError, quote, unknown_name
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import check_carried, resolve_start
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
@@ -134,7 +134,7 @@ def _check_corners(
 def _check_grid(system: System, over: Any) -> tuple[tuple[str, str], tuple[Floats, Floats]]:
     """Names and values of the two parameters."""
     if not isinstance(over, Mapping) or len(over) != 2:
-        given = f"{len(over)} given" if isinstance(over, Mapping) else f"{over!r:.60}"
+        given = f"{len(over)} given" if isinstance(over, Mapping) else f"{quote(over)}"
         raise OptionError(
             f"over = {given}: give two different parameters and their values, such as"
             ' {"omega": np.linspace(0.5, 1, 50), "zeta": np.linspace(0.01, 0.1, 40)}'
@@ -142,11 +142,11 @@ def _check_grid(system: System, over: Any) -> tuple[tuple[str, str], tuple[Float
     values = []
     for name, each in over.items():
         if name not in system.parameters:
-            raise OptionError(f"over: {unknown_name('parameter', str(name), system.parameters)}")
+            raise OptionError(f"over: {unknown_name('parameter', name, system.parameters)}")
         try:
             array = np.atleast_1d(np.asarray(each, dtype=float))
         except (TypeError, ValueError, OverflowError):
-            raise OptionError(f"over: {name!r}: {each!r:.60} is no list of numbers") from None
+            raise OptionError(f"over: {name!r}: {quote(each)} is no list of numbers") from None
         if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
             raise OptionError(
                 f"over: {name!r} takes a one-dimensional, non-empty list of finite numbers, such as"

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.statistics.sizes_by_rates import sizes_by_rates
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.runs.whole_turns import cuts_of, folded, periods_of
 from nonsmooth.system.system import System
 
@@ -91,17 +91,17 @@ def _within_turns(values: Floats, names: list[str], system: System | None) -> Fl
 
 def _listed(variables: Any) -> list[str]:
     if not isinstance(variables, Iterable):
-        raise OptionError(f"variables = {variables!r:.60}: give a name, or a list of names")
+        raise OptionError(f"variables = {quote(variables)}: give a name, or a list of names")
     return [str(name) for name in variables]
 
 
 def _of_array(data: Any, variables: Any) -> StrobePoints:
     if variables is not None:
-        raise OptionError(f"variables = {variables!r:.60}: data without names; leave it out")
+        raise OptionError(f"variables = {quote(variables)}: data without names; leave it out")
     try:
         values = np.asarray(data, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"data = {data!r:.60}: give a run, or an array of points") from None
+        raise OptionError(f"data = {quote(data)}: give a run, or an array of points") from None
     if values.ndim not in (1, 2):
         raise OptionError(
             f"data: an array over {values.ndim} dimensions; give numbers in order, or points as"

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.options import completion_rule
 from nonsmooth.engine.lanes import ANY
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, quote, unknown_name
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
@@ -81,7 +81,7 @@ def read_coordinate(chosen: Map, name: Any) -> Coordinate:
             " without forcing have none; take a PoincareMap of a system with a period, or one of"
             f" {', '.join(_others(chosen))}"
         )
-    raise OptionError(f"coordinate: {unknown_name('coordinate', str(name), _others(chosen))}")
+    raise OptionError(f"coordinate: {unknown_name('coordinate', name, _others(chosen))}")
 
 
 def _others(chosen: Map) -> list[str]:
@@ -171,7 +171,7 @@ class StartFamily:
             known[name] = evaluate(rule, known)
             if not np.all(np.isfinite(known[name])):
                 raise OptionError(
-                    f"completion[{name!r}] = {self.texts[name]!r:.60} is not a finite number"
+                    f"completion[{name!r}] = {quote(self.texts[name])} is not a finite number"
                     f" everywhere on {self.coordinate.name} from {values.min():g} to"
                     f" {values.max():g}; write it so that it is, or take a part of the interval"
                 )
@@ -190,7 +190,7 @@ def read_family(
     """Family of starts from the rules of a user; ``timed``: the phase of a start is free."""
     if completion is not None and not isinstance(completion, Mapping):
         raise OptionError(
-            f"completion = {completion!r:.60}: give a mapping of states to numbers or expressions"
+            f"completion = {quote(completion)}: give a mapping of states to numbers or expressions"
             f" of {coordinate.name!r}, such as {{{system.states[-1]!r}: 0.0}}"
         )
     rules: dict[str, Expression] = {}
@@ -200,7 +200,7 @@ def read_family(
         if name == coordinate.name:
             raise OptionError(f"completion: {name!r} is the coordinate already; leave one out")
         if name not in allowed:
-            raise OptionError(f"completion: {unknown_name('state', str(name), allowed)}")
+            raise OptionError(f"completion: {unknown_name('state', name, allowed)}")
         rules[name] = _rule(f"completion[{name!r}]", text, known)
         known.append(name)
     modes = mode_numbers(system, mode)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.status import EventKind
 from nonsmooth.engine.tables import SLIDES
-from nonsmooth.errors import OptionError, RunError, RunWarning
+from nonsmooth.errors import OptionError, RunError, RunWarning, quote
 from nonsmooth.runs.options import check_count, check_run_options, finite_number, whole_number
 from nonsmooth.runs.simulate import simulate
 from nonsmooth.system.smoothed import smoothed
@@ -68,7 +68,7 @@ def read_ladder(system: Any, epsilons: Any, kind: str, parameters: Any, toleranc
         widths = np.zeros(0)
     if widths.size < 2 or not np.all(np.isfinite(widths) & (widths > 0.0)):
         raise OptionError(
-            f"epsilons = {epsilons!r:.60}: give two or more different positive numbers, such as"
+            f"epsilons = {quote(epsilons)}: give two or more different positive numbers, such as"
             " (0.1, 0.01, 0.001)"
         )
     taken = {*exact.states, *exact.parameters, *exact.definitions, *exact.outputs, *exact.signals}
@@ -92,7 +92,7 @@ def read_stretch(
         raise OptionError("give either periods= or t_end=, the length of the motion")
     if initial is not None and not isinstance(initial, Mapping):
         raise OptionError(
-            f"initial = {initial!r:.60}: give a mapping of states to numbers; a run of the exact"
+            f"initial = {quote(initial)}: give a mapping of states to numbers; a run of the exact"
             " system is no start for a smoothed one"
         )
     unit = 1.0

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.statistics.series import Series, drifts, series_of, uniform_step
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, quote
 
 __all__ = [
     "Segments",
@@ -98,7 +98,7 @@ def check_window(window: Any, length: int) -> Floats:
         return np.asarray(get_window(window, length), dtype=float)
     except (ValueError, TypeError, IndexError):
         raise OptionError(
-            f"window = {window!r:.60} is none of scipy.signal.get_window; for instance boxcar,"
+            f"window = {quote(window)} is none of scipy.signal.get_window; for instance boxcar,"
             " hann, blackmanharris or flattop"
         ) from None
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.spectra.transforms import Lines
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 
 __all__ = [
     "FREQUENCY",
@@ -89,12 +89,12 @@ def check_plane(
         names = tuple(variable)
     if len(names) not in (1, 2):
         raise OptionError(
-            f"variable = {variable!r:.60}: give the name of a state or output, or two for a motion"
+            f"variable = {quote(variable)}: give the name of a state or output, or two for a motion"
             " in a plane"
         )
     for name in names:
         if name not in known:
-            raise OptionError(f"variable: {unknown_name('variable', str(name), known)}")
+            raise OptionError(f"variable: {unknown_name('variable', name, known)}")
     if len(set(names)) < len(names):
         raise OptionError(
             f"variable: {names[0]!r} is given twice; a motion in a plane has two coordinates"

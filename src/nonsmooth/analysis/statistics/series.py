@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.analysis.options import derived_attributes
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, quote, unknown_name
 from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 
@@ -119,7 +119,7 @@ def _numbers(values: Any) -> Vector:
     try:
         numbers = np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"data = {values!r:.60}: give a run, or a list of numbers") from None
+        raise OptionError(f"data = {quote(values)}: give a run, or a list of numbers") from None
     if numbers.ndim != 1 or not np.all(np.isfinite(numbers)):
         raise OptionError("data: give numbers in one dimension, all of them finite")
     if np.any(np.abs(numbers) > _LARGEST):

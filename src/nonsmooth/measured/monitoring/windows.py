@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from nonsmooth.errors import OptionError, ResultWarning, is_known, unknown_name
+from nonsmooth.errors import OptionError, ResultWarning, is_known, quote, unknown_name
 from nonsmooth.measured.even_samples import listed
 from nonsmooth.measured.marking import speed_attributes
 from nonsmooth.measured.quality.masks import quality_of
@@ -290,7 +290,7 @@ def _channels(record: xr.Dataset, channels: Any, option: str) -> list[str]:
         raise OptionError(f"{option}: name some of {', '.join(known)}")
     for name in chosen:
         if not is_known(name, known):
-            raise OptionError(f"{option}: {unknown_name('variable', str(name), known)}")
+            raise OptionError(f"{option}: {unknown_name('variable', name, known)}")
     return chosen
 
 
@@ -299,14 +299,14 @@ def _ranges(record: xr.Dataset, contact: Any) -> dict[str, tuple[float, float]]:
     if contact is None:
         return {}
     if not isinstance(contact, Mapping):
-        raise OptionError(f"contact = {contact!r:.60}: give ranges by name, such as {_RANGE}")
+        raise OptionError(f"contact = {quote(contact)}: give ranges by name, such as {_RANGE}")
     found = {}
     for name in _channels(record, list(contact), "contact") if contact else ():
         try:
             low, high = (float(each) for each in contact[name])
         except (TypeError, ValueError):
             raise OptionError(
-                f"contact: {contact[name]!r:.60} is no range of {name}; give two numbers, such as"
+                f"contact: {quote(contact[name])} is no range of {name}; give two numbers, such as"
                 f" {_RANGE}"
             ) from None
         if not low < high:

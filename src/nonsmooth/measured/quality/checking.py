@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from nonsmooth.errors import OptionError, is_known, unknown_name
+from nonsmooth.errors import OptionError, is_known, quote, unknown_name
 from nonsmooth.measured.even_samples import FEWEST, listed
 from nonsmooth.measured.quality.flaw import FLAGS, KINDS, Flaw, Readings
 from nonsmooth.measured.quality.mains import hum_findings
@@ -276,7 +276,7 @@ def _channels(record: xr.Dataset, channels: Any) -> list[str]:
         raise OptionError("channels: the data have no variable over time to check")
     for name in chosen:
         if not is_known(name, known):
-            raise OptionError(f"channels: {unknown_name('variable', str(name), known)}")
+            raise OptionError(f"channels: {unknown_name('variable', name, known)}")
     return chosen
 
 
@@ -284,14 +284,14 @@ def _kinds(leave_out: Any) -> list[str]:
     chosen = listed(leave_out, "leave_out")
     for kind in chosen:
         if not is_known(kind, KINDS):
-            raise OptionError(f"leave_out: {unknown_name('kind', str(kind), KINDS)}")
+            raise OptionError(f"leave_out: {unknown_name('kind', kind, KINDS)}")
     return chosen
 
 
 def _mains(mains: Any) -> tuple[float, ...]:
     if isinstance(mains, str) or not isinstance(mains, Iterable):
-        raise OptionError(f"mains = {mains!r:.60}: give frequencies in Hz, such as (50, 60)")
+        raise OptionError(f"mains = {quote(mains)}: give frequencies in Hz, such as (50, 60)")
     found = tuple(finite_number("mains", each) for each in mains)
     if any(each <= 0.0 for each in found):
-        raise OptionError(f"mains = {mains!r:.60}: frequencies must be positive, in Hz")
+        raise OptionError(f"mains = {quote(mains)}: frequencies must be positive, in Hz")
     return found

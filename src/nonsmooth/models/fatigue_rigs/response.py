@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.errors import ModelError, OptionError, quote
 from nonsmooth.models.fatigue_rig import fatigue_rig
 from nonsmooth.system.system import System
 
@@ -35,7 +35,7 @@ def rig_values(system: System) -> dict[str, float]:
     """Parameters of a fatigue rig by name, that of a specimen without a crack included."""
     if not isinstance(system, System) or system.name != "fatigue_rig":
         raise OptionError(
-            f"{getattr(system, 'name', system)!r:.60} is not the two-mass fatigue rig; give"
+            f"{quote(getattr(system, 'name', system))} is not the two-mass fatigue rig; give"
             " nonsmooth.models.fatigue_rig(...), or system() of a FatigueRig"
         )
     values = {name: float(value) for name, value in system.parameter_values.items()}

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError, OptionError
-from nonsmooth.real_numbers import check_size, finite_real, shown
+from nonsmooth.errors import ModelError, OptionError, quote
+from nonsmooth.real_numbers import check_size, finite_real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,7 +28,7 @@ def one_number(name: str, value: Any, *, positive: bool = False, most: float = m
     limit = f" of at most {most:g}" if math.isfinite(most) else ""
     number = finite_real(name, value, wanted=f"a {kind}{limit}")
     if (positive and number <= 0.0) or number > most:
-        raise OptionError(f"{name} = {shown(value)} must be a {kind}{limit}")
+        raise OptionError(f"{name} = {quote(value)} must be a {kind}{limit}")
     check_size(name, number, positive=positive)
     return number
 
@@ -42,9 +42,9 @@ def finite_values(name: str, values: Any) -> npt.NDArray[np.float64]:
     except (TypeError, ValueError, OverflowError):
         numbers = None
     if numbers is None:
-        raise OptionError(f"{name} = {values!r:.60} is no number, nor are its parts")
+        raise OptionError(f"{name} = {quote(values)} is no number, nor are its parts")
     if not np.all(np.isfinite(numbers)):
-        raise OptionError(f"{name} = {values!r:.60} must be finite")
+        raise OptionError(f"{name} = {quote(values)} must be finite")
     return numbers
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.errors import OptionError, unknown_name
+from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.models.rigs.data import check_contents, finite_values
 from nonsmooth.models.rigs.units import DERIVATIVES, OF_STATES, Unit, Units, table_of, unit_of
 from nonsmooth.system.system import System
@@ -238,14 +238,14 @@ def _with_likes(
     """Units and labels with those of new parameters that are said to be like known ones."""
     if not isinstance(like, Mapping):
         raise OptionError(
-            f"like = {like!r:.60}: give a mapping, such as {{'new': {next(iter(parameters))!r}}}"
+            f"like = {quote(like)}: give a mapping, such as {{'new': {next(iter(parameters))!r}}}"
         )
     units, words = dict(parameters), dict(labels)
     for name, model in like.items():
         if name in parameters:
             raise OptionError(f"like: {name!r} is a parameter of the rig, whose unit is known")
         if model is not None and model not in parameters:
-            raise OptionError(f"like: {unknown_name('parameter', str(model), parameters)}")
+            raise OptionError(f"like: {unknown_name('parameter', model, parameters)}")
         units[name] = Unit() if model is None else parameters[model]
         words[name] = str(name)
     return units, words
@@ -260,7 +260,7 @@ def units_of_ties(
     """
     for name in like:
         if name not in ties.new:
-            raise OptionError(f"like: {unknown_name('new parameter', str(name), ties.new)}")
+            raise OptionError(f"like: {unknown_name('new parameter', name, ties.new)}")
     units, words = _with_likes(parameters, labels, like)
     for name in ties.new:
         followers = {tied: text for tied, text in ties.tied.items() if _uses(text, name)}

@@ -14,7 +14,7 @@ from functools import cached_property
 from threading import Lock
 from typing import Any
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, quote
 from nonsmooth.system.algebra.graph import Graph
 from nonsmooth.system.algebra.linear import Harmonic, LinearForm, Power
 from nonsmooth.system.algebra.value_tape import ValueTape
@@ -272,13 +272,13 @@ def _slow(
         for other in (*graph.states, *graph.signals):
             if other in names:
                 raise ModelError(
-                    f"{where}: {str(text)!r:.80} depends on {other!r}; a slow parameter depends on"
+                    f"{where}: {quote(str(text))} depends on {other!r}; a slow parameter depends on"
                     " t and on other parameters"
                 )
         for other in texts:
             if other in names:
                 raise ModelError(
-                    f"{where}: {str(text)!r:.80} depends on {other!r}, which is slow itself; write"
+                    f"{where}: {quote(str(text))} depends on {other!r}, which is slow itself; write"
                     " out what it stands for, or give the constant part a parameter of its own"
                 )
     return nodes

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.errors import ModelError, quote, unknown_name
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.parts import STOP, Exit, Mode, Text
 from nonsmooth.system.text.expressions import Expression, name_set, subtract
@@ -148,7 +148,7 @@ def check_guards(mode: ModeEquations, moving: set[str]) -> None:
             guard = way.guard.text.strip()
             place = guard if is_name(guard) else "g"
             raise ModelError(
-                f"{way.guard.where}: {guard!r:.80} depends on no state and not on the time, so it"
+                f"{way.guard.where}: {quote(guard)} depends on no state and not on the time, so it"
                 f" never changes; write a distance such as {place} - x, positive inside the mode"
                 " and negative beyond"
             )
@@ -166,7 +166,7 @@ def _relation(text: Text, where: str, known: set[str]) -> Equation:
     sides = _EQUALS.split(str(text))
     if len(sides) != 2 or not all(side.strip() for side in sides):
         raise ModelError(
-            f"{where}: a relation has one '=' between two expressions, not {text!r:.80}"
+            f"{where}: a relation has one '=' between two expressions, not {quote(text)}"
         )
     left = Equation.read(sides[0], where, known).tree
     # blanks in place of the left side keep the caret of a message in its column

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.errors import ModelError, quote, unknown_name
 from nonsmooth.system.model.name_checks import MOST_STATES, ONE_MODE
 from nonsmooth.system.parts import Mode, items_of
 from nonsmooth.system.text.grammar import parse
@@ -67,7 +67,7 @@ def mode_names(**given: Any) -> list[str]:
     for key, value in [(first, named), *others]:
         for name in value:
             if not isinstance(name, str):
-                raise ModelError(f"{key}: {name!r:.60} is not the name of a mode")
+                raise ModelError(f"{key}: {quote(name)} is not the name of a mode")
             if name not in named:
                 raise ModelError(f"{key}: {unknown_name('mode', name, modes)}; {first} names them")
     return modes
@@ -92,7 +92,7 @@ def _state_names(states: Any, n: int) -> tuple[str, ...]:
     names = items_of(states, f"states: give a list of {n} names")
     for name in names:
         if not isinstance(name, str):
-            raise ModelError(f"states: {name!r:.60} is not a name")
+            raise ModelError(f"states: {quote(name)} is not a name")
     if len(names) != n:
         raise ModelError(f"states: {len(names)} names for a matrix of {_size(n)}; give {n}")
     return names
@@ -169,7 +169,7 @@ def _number(entry: Any, where: str) -> float:
         )
     if isinstance(entry, str | bytes):
         raise ModelError(
-            f"{where} is the text {entry!r:.60}; a matrix holds numbers: a flow with parameters"
+            f"{where} is the text {quote(entry)}; a matrix holds numbers: a flow with parameters"
             " is written as text, with Mode"
         )
     try:
@@ -177,7 +177,7 @@ def _number(entry: Any, where: str) -> float:
     except OverflowError:
         raise ModelError(f"{where} is too large for a double") from None
     except (TypeError, ValueError):
-        raise ModelError(f"{where} is {entry!r:.60}; every entry is a number") from None
+        raise ModelError(f"{where} is {quote(entry)}; every entry is a number") from None
     if not math.isfinite(number):
         raise ModelError(f"{where} is {number}; every entry is finite")
     return number

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from nonsmooth.engine.tables import MAX_AUGMENTED
-from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.errors import ModelError, quote, unknown_name
 from nonsmooth.system.cells.cells import MOST_MODES
 from nonsmooth.system.data import SystemData
 from nonsmooth.system.parts import STOP, FrozenDict, Mode
@@ -43,7 +43,7 @@ def check_kinds(system: SystemData) -> None:
     ):  # fmt: skip
         value = getattr(system, key)
         if not isinstance(value, Mapping):
-            raise ModelError(f"{key}: give a mapping such as {{name: ...}}, not {value!r:.60}")
+            raise ModelError(f"{key}: give a mapping such as {{name: ...}}, not {quote(value)}")
 
 
 def modes_of(equations: Any, modes: Mapping[str, Mode]) -> Mapping[str, Mode]:
@@ -52,7 +52,7 @@ def modes_of(equations: Any, modes: Mapping[str, Mode]) -> Mapping[str, Mode]:
         return modes
     if not isinstance(equations, Mapping):
         raise ModelError(
-            f"equations: give a mapping of states to their rates, not {equations!r:.60}"
+            f"equations: give a mapping of states to their rates, not {quote(equations)}"
         )
     one = {ONE_MODE: Mode(equations)}
     if modes and modes != one and not _handed_on(modes):
@@ -118,7 +118,7 @@ def check_words(system: SystemData) -> None:
     for name, surface in system.surfaces.items():
         if not isinstance(surface, Surface):
             raise ModelError(
-                f"surfaces[{name!r}] is {surface!r:.60}; write Surface('v - v_b', on='stick')"
+                f"surfaces[{name!r}] is {quote(surface)}; write Surface('v - v_b', on='stick')"
             )
     for name, mode in system.modes.items():
         _check_name("modes", name)
@@ -135,7 +135,7 @@ def check_words(system: SystemData) -> None:
             raise ModelError(f"describe: {unknown_name('name', name, [*owner, 'time'])}")
         _check_text(f"describe[{name!r}]", label)
     for condition, reason in system.require.items():
-        _check_text(f"require[{condition!r:.60}]", reason)
+        _check_text(f"require[{quote(condition)}]", reason)
 
 
 def _check_symmetry(system: SystemData) -> None:
@@ -143,19 +143,17 @@ def _check_symmetry(system: SystemData) -> None:
     for name, image in system.symmetry.items():
         known = [*system.states, *system.modes]
         if name not in known:
-            raise ModelError(f"symmetry: {unknown_name('state or mode', str(name), known)}")
+            raise ModelError(f"symmetry: {unknown_name('state or mode', name, known)}")
         if name not in system.states and image not in system.modes:
-            raise ModelError(
-                f"symmetry[{name!r}]: {unknown_name('mode', str(image), system.modes)}"
-            )
+            raise ModelError(f"symmetry[{name!r}]: {unknown_name('mode', image, system.modes)}")
 
 
 def _check_signals(system: SystemData) -> None:
     for name, signal in system.signals.items():
         if not isinstance(signal, Signal):
             raise ModelError(
-                f"signals[{name!r}] is {signal!r:.60}; write Signal(times, values), a list of times"
-                " and one of values"
+                f"signals[{name!r}] is {quote(signal)}; write Signal(times, values), a list of"
+                " times and one of values"
             )
 
 
@@ -179,19 +177,19 @@ def _check_slow(system: SystemData) -> None:
 def _check_text(where: str, text: object) -> None:
     """Names, labels and reasons are texts that a file can hold."""
     if not isinstance(text, str):
-        raise ModelError(f"{where}: {text!r:.60} is not a text")
+        raise ModelError(f"{where}: {quote(text)} is not a text")
     try:
         text.encode()
     except UnicodeEncodeError:
         raise ModelError(
-            f"{where}: {text!r:.60} has half of a surrogate pair in it, which no file can hold"
+            f"{where}: {quote(text)} has half of a surrogate pair in it, which no file can hold"
         ) from None
 
 
 def _check_name(kind: str, name: object) -> None:
     if not isinstance(name, str) or not is_name(name):
         raise ModelError(
-            f"{kind}: {name!r:.60} is not a name; use ASCII letters, digits and _, not a reserved"
+            f"{kind}: {quote(name)} is not a name; use ASCII letters, digits and _, not a reserved"
             f" word{why_no_name(name)}"
         )
     if name in _RESERVED:
@@ -218,7 +216,7 @@ def _meaning(name: str) -> str:
 
 def _check_mode(system: SystemData, name: str, mode: Mode) -> None:
     if not isinstance(mode, Mode):
-        raise ModelError(f"modes[{name!r}] is {mode!r:.60}; write Mode(flow, exits=...)")
+        raise ModelError(f"modes[{name!r}] is {quote(mode)}; write Mode(flow, exits=...)")
     if len(mode.exits) > _MOST_EXITS:
         raise ModelError(
             f"modes[{name!r}]: {len(mode.exits)} exits; at most {_MOST_EXITS} are supported"

@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
-from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.errors import ModelError, quote, unknown_name
 from nonsmooth.system.model.toml_text import parse_toml, read_source
 from nonsmooth.system.model.toml_writing import FORMAT_VERSION, key_text
 from nonsmooth.system.parts import Exit, Mode, Text
@@ -263,7 +263,7 @@ def _kind(value: Any) -> str:
     if isinstance(value, int | float):
         return f"the number {_number(value)}"
     if isinstance(value, str):
-        return f"the text {value!r:.60}"
+        return f"the text {quote(value)}"
     if isinstance(value, dict):
         return "a table"
     return "an array" if isinstance(value, list) else "a date or a time"
@@ -271,7 +271,7 @@ def _kind(value: Any) -> str:
 
 def _number(value: float) -> str:
     # hexadecimal integers may be longer than Python is willing to write in decimals
-    return f"{value!r:.30}" if isinstance(value, float) or abs(value) < 10**30 else "above 1e30"
+    return f"{quote(value)}" if isinstance(value, float) or abs(value) < 10**30 else "above 1e30"
 
 
 def _misplaced(document: Mapping[str, Any]) -> str:

@@ -13,7 +13,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, quote
 from nonsmooth.system.text.grammar import point_at
 
 __all__ = ["MAX_CHARACTERS", "parse_toml", "read_source"]
@@ -59,7 +59,7 @@ def read_source(source: str | os.PathLike[str]) -> tuple[str, str]:
         )
     if not os.fspath(source):
         raise ModelError("from_toml: the text is empty; give TOML text or the path of a file")
-    shown = f"{os.fspath(source)!r:.200}"
+    shown = f"{quote(os.fspath(source))}"
     most = 4 * MAX_CHARACTERS  # bytes, of which a character takes at most four
     try:
         with Path(source).open("rb") as file:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nonsmooth.errors import ModelError
+from nonsmooth.errors import ModelError, quote
 from nonsmooth.system.algebra.linear import CONSTANT, LinearForm, NotLinear, State
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.model.evaluated import EvaluatedSystem
@@ -77,7 +77,7 @@ def _form(system: EvaluatedSystem, name: str) -> LinearForm:
         form = None
     if form is None or any(not isinstance(b, State) and b != CONSTANT for b in form.terms):
         raise ModelError(
-            f"{where} = {str(text)!r:.60} is not affine in the states; give sums of states with"
+            f"{where} = {quote(str(text))} is not affine in the states; give sums of states with"
             " constant factors, such as '-x', 'x2' or '2*c - x'"
         )
     return form

@@ -17,7 +17,7 @@ from itertools import pairwise
 from numbers import Real
 from typing import Any, NamedTuple, NoReturn
 
-from nonsmooth.errors import ModelError, unknown_name
+from nonsmooth.errors import ModelError, quote, unknown_name
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.system.text.expressions import ONE, ZERO, Call, Expression, Name, Number
 from nonsmooth.system.text.functions import COMPARISONS, FUNCTIONS
@@ -169,7 +169,7 @@ def _number(value: Any, where: str) -> Number:
         value = value.item()
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ModelError(
-            f"{where}: an expression is a text or a number, such as '-2*v', not {value!r:.60}"
+            f"{where}: an expression is a text or a number, such as '-2*v', not {quote(value)}"
         )
     return Number(finite_real(where, value, ModelError))
 
