@@ -35,5 +35,5 @@ def test_a_run_in_the_place_of_an_option_is_named_by_its_kind():
         with pytest.raises(ns.OptionError) as raised:
             ns.bifurcation_diagram(system, "omega", [0.7], **options)
         assert "<xarray.Dataset>" in str(raised.value)
-    with pytest.raises(ns.OptionError, match="unknown parameter <xarray.Dataset>"):
+    with pytest.raises(ns.OptionError, match=r"unknown parameter <xarray\.Dataset>"):
         ns.bifurcation_diagram(system, run, [0.7])

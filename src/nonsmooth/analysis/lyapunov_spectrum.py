@@ -87,7 +87,9 @@ def lyapunov_spectrum(
         often as they need it, whatever the interval.
     confirm : int, optional
         Periods for which a chaotic motion is run on behind the record, without derivatives, to see
-        whether it was a transient; 0 for none. Of systems with a period alone.
+        whether it was a transient; 0 for none. Where the system has no period it is run on for as
+        many times as it takes to come back, on average. It goes on from a point beside its last
+        one, by 1e-8 of its size. Measured inputs, of ``signals``, end and are not run on with.
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional
@@ -171,8 +173,9 @@ def lyapunov_spectrum(
     -log(0.05)/N with 95 % confidence.
 
     Equal machines that begin in step stay in step, as rounding is the same for each of them. Where
-    that is unstable, the largest exponent is that of differences which nothing brings about, and a
-    motion that repeats may count as chaotic. Let such machines begin with a small difference.
+    that is unstable, the largest exponent is that of differences which nothing brings about. So the
+    motion is run on from a point beside it, and leaves what its neighbours leave: ``settled`` is 0
+    then. Let such machines begin with a small difference.
 
     The Kaplan-Yorke dimension counts an exponent as zero that is below three standard errors
     or below one over the duration. For a forced system it is that of the stroboscopic map;
@@ -210,15 +213,16 @@ def lyapunov_spectrum(
         strobe = strobe.with_parameters(**parameters) if parameters else strobe
         periodic, unit = True, window / (strobe.every * (strobe.length or window))
     start = _start(system, tables, strobe, initial, t_start, shared)
-    tick = 1.0
-    if transient is None or record is None:
-        timed = periodic or system.signals
-        one = 1.0 if timed else return_time(system, tables, start, tolerance)
-        tick = 1.0 if timed else max(1.0, one / window / _OF_RETURN)
-        transient = _TRANSIENT * one if transient is None else transient
-        record = _RECORD * one if record is None else record
-    protocol = _protocol(transient, record, interval, unit, periodic, tick)
     more = whole("confirm", confirm, 0)
+    length = strobe.length if strobe is not None else None
+    tick = one = 1.0
+    if not (periodic or system.signals) and (transient is None or record is None or more):
+        length = one = return_time(system, tables, start, tolerance)
+        if transient is None or record is None:
+            tick = max(1.0, one / window / _OF_RETURN)
+    transient = _TRANSIENT * one if transient is None else transient
+    record = _RECORD * one if record is None else record
+    protocol = _protocol(transient, record, interval, unit, periodic, tick)
     first = start.instant.time(window)
     check_signals(system, first, first + (protocol.transient + protocol.record) * window)
     derivatives, number = build_derivatives(system, tables, ()), check_seed(shared.seed)
@@ -237,13 +241,12 @@ def lyapunov_spectrum(
         "changed_parameters": shared.changes,
         **({} if strobe is None else strobe.protocol),
     }
-    length = strobe.length if strobe is not None else None
     look_on = partial(
         find_horizon, system, run, protocol, run_from, length=length, window=window,
         tolerance=tolerance,
     )  # fmt: skip
     try:
-        horizon = look_on(confirm=more if periodic and not system.signals else 0)
+        horizon = look_on(confirm=0 if system.signals else more)
     except KeyboardInterrupt:  # the record is there, and tells what it tells without `confirm`
         horizon, run = look_on(confirm=0), replace(run, status=Status.INTERRUPTED)
     counts = _counts(strobe, periodic)

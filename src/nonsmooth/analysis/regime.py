@@ -157,9 +157,10 @@ def regime(
         last one. A transient whose motions leave it at the rate k per period lasts as long with the
         probability exp(-k N), so the rate is below ``escape_rate_below`` = -log(0.05)/N with 95 %
         confidence.
-        Equal machines that begin in step stay in step, as rounding is the same for each. Where that
-        is unstable, a motion that does not repeat at strobes may be called chaotic: let them begin
-        with a small difference.
+        Equal machines that begin in step stay in step, as rounding is the same for each, also where
+        that is unstable. So a motion that does not repeat and whose neighbours part goes on from
+        a point beside it, by 1e-8 of its size, before each further look: the label is that of
+        what machines come to that are not quite equal.
     ``quasi-periodic``
         The motion is driven, and the strobes of both windows keep the order of a rotation on a
         closed curve, or on several in turn: the polygon through them in that order turns by at

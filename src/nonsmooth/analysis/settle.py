@@ -17,14 +17,14 @@ import numpy.typing as npt
 from nonsmooth.analysis.diagrams.chain_links import End
 from nonsmooth.engine.lanes import SAME
 from nonsmooth.engine.status import Status
-from nonsmooth.engine.tables import Tables
+from nonsmooth.engine.tables import FREE, Tables
 from nonsmooth.errors import ModelError
 from nonsmooth.runs.clock import Instant, instants
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.start import Start, resolve_start
 from nonsmooth.runs.strobe_times import strobes_of_motions
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
-from nonsmooth.runs.sweep_runner import Recorded, SweepRunner, SweepStarts, Times
+from nonsmooth.runs.sweep_runner import Motions, Recorded, SweepRunner, SweepStarts, Times
 from nonsmooth.runs.whole_turns import cuts_of, folded, periods_of_states, whole_turns
 from nonsmooth.system.model.value_checks import rests_alike, sure_values
 from nonsmooth.system.system import System
@@ -35,6 +35,7 @@ __all__ = [
     "ParameterSets",
     "Reduce",
     "at_time_zero",
+    "beside",
     "said_of_start",
     "settle",
 ]
@@ -43,6 +44,19 @@ T = TypeVar("T")
 Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
+
+
+_BESIDE = 1e-8  # of the size of a state: far above rounding, and soon as nothing beside chaos
+_SEED = 0  # of the direction in which a point lies beside another one
+
+
+def beside(states: Floats, sizes: Floats, drifting: Bools) -> Floats:
+    """Points a little beside some, in a direction of no symmetry; but for drifts.
+
+    shapes: states (..., n), sizes (..., n), drifting (n,)
+    """
+    direction = np.random.default_rng(_SEED).uniform(-1.0, 1.0, drifting.size)
+    return states + np.where(drifting, 0.0, _BESIDE * direction * sizes)
 
 
 def at_time_zero(start: Start) -> Start:
@@ -233,22 +247,48 @@ class Group:
         most = max((len(start.modes) for start in starts), default=1)
         if most == 1:
             return
-        numbers, phases = self._begins()
-        here = Times(numbers[:, None], phases[:, None])
-        self.run(here, log=False)
+        self.motions = self._begun(self._as_arrays(), self.usable)
         for k in range(1, most):
             misfit = self.is_misfit
             if not np.any(misfit):
                 return
-            begun = self.runner.start(self._as_arrays(k), misfit)
-            kept = self.motions
-            self.motions = begun
-            self.run(here, log=False)
-            for name in kept.anchors.in_lanes:
-                getattr(kept.anchors, name)[misfit] = getattr(begun.anchors, name)[misfit]
-            for old, new in zip(kept[1:], begun[1:], strict=True):
-                old[misfit] = new[misfit]
-            self.motions = kept
+            self._take(self._begun(self._as_arrays(k), misfit), misfit)
+
+    def go_beside(self, chosen: Bools, sizes: Floats) -> None:
+        """Let the chosen motions go on from points a little beside those where they are.
+
+        Machines in step that would part by themselves never do so in arithmetic that gives them the
+        same digits. What is chaotic forgets so small a change at once. A motion stays where it is
+        where it slides or rests, or where its mode does not take the other point.
+
+        shapes: chosen (K,); sizes (K, n) of the states
+        """
+        place, since = self.motions.places, self.motions.since
+        kinds = self.system.compiled.program.wiring.modes["kind"]
+        chosen = chosen & (kinds[place["mode"]] == FREE)
+        states = beside(self.motions.end_states, sizes, self.drifting)
+        numbers = np.where(chosen, since["number"], 0.0).astype(np.int64)
+        phases = np.where(chosen, since["phase"], 0.0)
+        starts = SweepStarts(states, place["mode"].copy(), numbers, phases)
+        begun = self._begun(starts, chosen)
+        self._take(begun, chosen & (begun.statuses == Status.COMPLETED))
+
+    def _begun(self, starts: SweepStarts, chosen: Bools) -> Motions:
+        """Some motions at other starts, what happens there being behind them."""
+        begun = self.runner.start(starts, chosen)
+        here = Times(starts.numbers[:, None].copy(), starts.phases[:, None].copy())
+        self.runner.run(begun, here, log=False, stop=self.stop)
+        return begun
+
+    def _take(self, others: Motions, chosen: Bools) -> None:
+        """Take some of other motions in the place of these; what was counted of these stays."""
+        own = self.motions
+        for name in own.anchors.in_lanes:
+            getattr(own.anchors, name)[chosen] = getattr(others.anchors, name)[chosen]
+        for name in ("modes", "statuses", "end_states", "since", "counters"):
+            getattr(own, name)[chosen] = getattr(others, name)[chosen]
+        for name in ("uncertain", "estimated"):
+            getattr(own, name)[chosen] += getattr(others, name)[chosen]
 
     @property
     def chosen(self) -> StroboscopicMap:

@@ -2,7 +2,8 @@
 
 Two halves of the record are compared. A chaotic motion is run on without derivatives, and its
 largest exponent is taken once more at the end: a motion that has escaped by then, to whatever it
-escapes, no longer has the exponent of the chaos.
+escapes, no longer has the exponent of the chaos. It is run on from a point beside its last one,
+since machines in step never part in rounding that is the same for all of them.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.analysis.diagrams.strobe_periods import strobe_periods
 from nonsmooth.analysis.exponents.exponent_run import (
@@ -39,7 +41,8 @@ from nonsmooth.system.system import System
 
 __all__ = ["Horizon", "find_horizon"]
 
-_TRANSIENT = "these are exponents of a transient"
+_TRANSIENT = "these are exponents of a transient, or of a motion that its neighbours leave for ever"
+_CURE = "raise transient=, or begin elsewhere"
 _NO_RETURN = (
     "the motion does not come back in the record: these are exponents of a part of its way;"
     " raise record= and transient="
@@ -47,6 +50,7 @@ _NO_RETURN = (
 _RECORD, _MATCH = 100, 1e-6  # strobes at the end of the later motion, and how they repeat
 _TURNING = 0.25  # of the later record, before it: derivatives find their directions
 
+Floats = npt.NDArray[np.float64]
 RunFrom = Callable[[Start, ExponentProtocol], ExponentRun]
 
 
@@ -109,8 +113,8 @@ def find_horizon(
     before = largest_exponent(rates_of(run))
     if means_differ(before, (rate, error), 2.0 * LEAST_GROWTH / duration_of(after)):
         return Horizon(
-            f"{confirm} strobes later the largest exponent is {with_error(rate, error, 3, 2)}:"
-            f" {_TRANSIENT}; raise transient="
+            f"{_counted(system, confirm)} later the largest exponent is"
+            f" {with_error(rate, error, 3, 2)}: {_TRANSIENT}; {_CURE}"
         )
     return Horizon(chaotic_for=half)
 
@@ -129,33 +133,45 @@ def _halves_differ(run: ExponentRun) -> str:
     )
 
 
+def _counted(system: System, confirm: int) -> str:
+    """So many strobes, or returns where nothing says when to look, in words."""
+    return f"{confirm} {'returns' if system.period_value is None else 'strobes'}"
+
+
 def _run_on(
     system: System, run: ExponentRun, length: float | None, tolerance: float, confirm: int
 ) -> _Later:
-    """What becomes of a motion after so many more strobes, without derivatives."""
+    """What becomes of a motion after so many more strobes, without derivatives.
+
+    It goes on from a point beside its last one, as far as its mode takes that.
+    """
     start = Start(run.end_state, run.end, (SAME - run.end_mode,))
     (later,), _ = settle(
         SweepRunner(system, tolerance),
         threading.Event(),
         sets=ParameterSets(StroboscopicMap(system, period=length), {}, start, None),
-        times=lambda group: group.strobes(confirm, 2 * _RECORD + 1),
-        reduce=partial(_later, confirm),
+        times=lambda group: group.strobes(0, 1),
+        reduce=partial(_later, confirm, np.abs(run.states).max(axis=0)),
         log=False,
     )
     return later
 
 
-def _later(confirm: int, group: Group, recorded: Recorded) -> list[_Later]:
-    """What a motion has become after so many strobes."""
-    status, states = Status(int(recorded.statuses[0])), recorded.states[0]
+def _later(confirm: int, sizes: Floats, group: Group, recorded: Recorded) -> list[_Later]:
+    """What a motion has become so many strobes behind its start; sizes (n,) of its states."""
     if group.is_misfit[0]:
         return [_Later()]  # rounding has taken the state at the end out of its mode
+    if recorded.statuses[0] == Status.COMPLETED:
+        group.go_beside(np.ones(1, bool), sizes[None])
+        recorded = group.run(group.strobes(confirm, 2 * _RECORD + 1), log=False)
+    status, states = Status(int(recorded.statuses[0])), recorded.states[0]
     if status != Status.COMPLETED:
         return [_Later(f"the motion ends later ({status.word}): {_TRANSIENT}")]
     passed = PassedEvents(group.system, recorded)
     period = int(strobe_periods(group, recorded, passed, _MATCH)[0])
     if period:
-        said = f"{confirm} strobes later the motion repeats with period {period}: {_TRANSIENT}"
-        return [_Later(f"{said}; raise transient=")]
+        counted = _counted(group.system, confirm)
+        said = f"{counted} later the motion repeats with period {period}: {_TRANSIENT}"
+        return [_Later(f"{said}; {_CURE}")]
     instant = Instant(int(recorded.numbers[0, -1]), float(recorded.phases[0, -1]))
     return [_Later(start=Start(states[-1], instant, (SAME - int(recorded.modes[0, -1]),)))]

@@ -73,6 +73,7 @@ def settled_regimes(protocol: RegimeProtocol, group: Group, recorded: Recorded) 
             has = np.array([verdict.label for verdict in motions.verdicts])
             lasting |= going & np.isin(has, endless)
             going &= (has == labels.UNSETTLED) & (following <= protocol.longest)
+            motions.go_beside(going & motions.part)
             first = following
         if protocol.confirm and np.any(lasting):
             motions.run_on(lasting)
@@ -148,6 +149,16 @@ class _Motions:
             )
         self._not_repeating(windows, seen, same & (now == 0) & ~closing)
 
+    @property
+    def part(self) -> Bools:
+        """Whether neighbours of each motion, which does not repeat, leave it, (M,)."""
+        return np.array([one.period == 0 and one.exponent > 0.0 for one in self.verdicts])
+
+    def go_beside(self, chosen: Bools) -> None:
+        """Let motions whose neighbours part go on beside where they are, see `Group.go_beside`."""
+        if np.any(chosen):
+            self.group.go_beside(chosen, self.natural)
+
     def run_on(self, chosen: Bools) -> None:
         """Verdicts on motions without an end that are followed further: they may settle, or end.
 
@@ -158,6 +169,7 @@ class _Motions:
         before, since = list(self.verdicts), self.evidence[:, 0].copy()
         going, further = chosen.copy(), np.full(chosen.size, self.protocol.confirm)
         torus = np.array([verdict.label == labels.QUASI_PERIODIC for verdict in before])
+        self.go_beside(chosen & ~torus)
         for look in range(1 + _MORE_LOOKS):
             going &= ~torus | (look < _LOOKS_AT_TORI)
             if not np.any(going):
