@@ -2,7 +2,7 @@
 
 Two neurons v' = I - v + g (w - v) that fire at 1, and are at 0 then, fire together in step once in
 T = log(I/(I - 1)). In the flow their difference falls by exp(-(1 + 2 g) T). Where one is ahead by d
-and fires, the other one takes d/(I - 1 - g) longer, and the first one goes on by I + g meanwhile. So
+and fires, the other one takes d/(I - 1 - g) longer, and the first goes on by I + g meanwhile. So
 a difference grows by exp(-(1 + 2 g) T) (I + g)/(I - 1 - g) in a turn.
 """
 
