@@ -15,7 +15,7 @@ from nonsmooth.analysis.manifolds.grow_curves import (
     grow_curves,
     read_spacing,
 )
-from nonsmooth.analysis.manifolds.saddle import find_saddle
+from nonsmooth.analysis.manifolds.saddle import Saddle, find_saddle
 from nonsmooth.analysis.options import SharedOptions, result_attributes
 from nonsmooth.errors import OptionError
 from nonsmooth.periodic_orbits.restart import is_orbit
@@ -27,7 +27,7 @@ from nonsmooth.runs.options import positive_number
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["homoclinic_points", "of_both", "read_orbits"]
+__all__ = ["both_saddles", "curves_of_both", "homoclinic_points", "read_orbits"]
 
 _SAME = 1e-9  # of a place: points of one orbit
 
@@ -157,10 +157,8 @@ def homoclinic_points(
     check_choice("to_side", to_side, tuple(SIDES))
     spacing = read_spacing(length, largest_step, smallest_step, angle, steps, longest)
     exact = positive_number("accuracy", accuracy)
-    unstable, stable, complete = of_both(
-        chosen, read_orbits(orbit, to), (side, to_side), spacing, exact, scales,
-        tolerance,
-    )  # fmt: skip
+    saddles = both_saddles(chosen, read_orbits(orbit, to), scales, tolerance)
+    unstable, stable, complete = curves_of_both(saddles, (side, to_side), spacing, exact)
     found, lost = find_crossings(unstable, stable)
     options = {
         "length": spacing.length, "largest_step": spacing.largest, "angle": spacing.angle,
@@ -181,16 +179,21 @@ def read_orbits(orbit: Any, to: Any) -> tuple[Any, Any]:
     return orbit, orbit if to is None else to
 
 
-def of_both(
-    chosen: Map, orbits: tuple[Any, Any], sides: tuple[str, str], spacing: Spacing,
-    accuracy: float, scales: Any, tolerance: float,
-) -> tuple[Curves, Curves, bool]:  # fmt: skip
-    """The unstable curves of one orbit, the stable ones of another, and whether all are there."""
+def both_saddles(
+    chosen: Map, orbits: tuple[Any, Any], scales: Any, tolerance: float
+) -> tuple[Saddle, Saddle]:
+    """The saddle with the unstable manifold, and that with the stable one."""
+    return (
+        find_saddle(chosen, orbits[0], "unstable", scales, tolerance),
+        find_saddle(chosen, orbits[1], "stable", scales, tolerance),
+    )
+
+
+def curves_of_both(
+    saddles: tuple[Saddle, Saddle], sides: tuple[str, str], spacing: Spacing, accuracy: float
+) -> tuple[Curves, Curves, bool]:
+    """The unstable curves of one saddle, the stable ones of another, and whether all are there."""
     found, whole = [], True
-    saddles = [
-        find_saddle(chosen, orbit, which, scales, tolerance)
-        for which, orbit in zip(("unstable", "stable"), orbits, strict=True)
-    ]
     for which, saddle, side in zip(("unstable", "stable"), saddles, sides, strict=True):
         branches, complete = grow_curves(saddle, which, side, spacing, accuracy)
         found.append(Curves(saddle, branches, spacing.largest))

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from nonsmooth.analysis.find_orbit import find_orbit
-from nonsmooth.analysis.homoclinic_points import of_both, read_orbits
+from nonsmooth.analysis.homoclinic_points import both_saddles, curves_of_both, read_orbits
 from nonsmooth.analysis.manifolds.crossings import ManifoldCrossing, find_crossings
+from nonsmooth.analysis.manifolds.curve import Spacing
 from nonsmooth.analysis.manifolds.grow_curves import SIDES, check_choice, read_spacing
-from nonsmooth.analysis.manifolds.saddle import find_saddle
+from nonsmooth.analysis.manifolds.saddle import with_sides_of
 from nonsmooth.analysis.manifolds.tangency import Both, Tangency, bumps_of, touch
 from nonsmooth.analysis.options import SharedOptions, refuse_fixed, result_attributes
 from nonsmooth.errors import ModelError, OptionError, is_known, quote, unknown_name
@@ -30,6 +31,7 @@ __all__ = ["homoclinic_tangency"]
 
 _SAME = 1e-8  # of the range: tangencies that are one, seen at several points of its orbit
 _PARTS = 8  # of the way from one value to the other, in which orbits are followed
+_HALVINGS = 4  # of the range, where no pair of crossings can be followed
 
 
 def homoclinic_tangency(
@@ -127,8 +129,12 @@ def homoclinic_tangency(
     where there is none, and raise ``bumps`` and ``length`` until the value stays.
 
     In a piecewise-linear map, bumps have corners, and the value is exact but for rounding. Where
-    two crossings are farther apart than the bump is long, as far from a tangency, it may be lost:
-    narrow ``between``.
+    two crossings are farther apart than the bump is long, as far from a tangency, it may be lost.
+    If no bump can be followed to where it vanishes, a half of the range is asked in which crossings
+    become fewer, up to four times; beyond that, narrow ``between``.
+
+    Both sides keep their names on the way: "+" is where the largest entry of a direction grows at
+    the parameters of ``orbit``.
 
     References
     ----------
@@ -172,34 +178,20 @@ def homoclinic_tangency(
     check_choice("to_side", to_side, tuple(SIDES))
     spacing = read_spacing(length, largest_step, smallest_step, angle, steps, longest)
     exact, most = positive_number("accuracy", accuracy), whole_number("bumps", bumps)
-    orbits = _Orbits(chosen, parameter, read_orbits(orbit, to), scales, tolerance)
+    orbits = _Orbits(chosen, parameter, ends, read_orbits(orbit, to), scales, tolerance)
     for value in ends:  # before long work
         orbits.check(value)
-    crossings: list[list[ManifoldCrossing]] = []
-    for value in ends:
-        at, given = orbits.at(value)
-        unstable, stable, _ = of_both(at, given, (side, to_side), spacing, exact, scales, tolerance)
-        crossings.append(find_crossings(unstable, stable)[0])
-    counts = [len(each) for each in crossings]
-    begin, end = ends if counts[0] > counts[1] else ends[::-1]
-    both = orbits.saddles(begin)
-    assert both is not None  # its curves have been followed
-    found: list[Tangency] = []
-    candidates = bumps_of(_moved(crossings[int(counts[0] <= counts[1])], both), both)[:most]
-    with Progress("homoclinic tangency", len(candidates)) as progress:
-        for k, bump in enumerate(candidates):
-            one = touch(bump, begin, end, orbits.saddles)
-            if one is not None:
-                found.append(one)
-            progress.update(k + 1)
+    search = _Search(orbits, (side, to_side), spacing, exact, most)
+    found = search.tangencies(*ends)
     options = {
         "parameter": parameter, "between": f"{ends[0]:g} {ends[1]:g}",
-        "crossings": " ".join(map(str, counts)), "bumps": most, "length": spacing.length,
+        "crossings": " ".join(str(len(search.crossings(value))) for value in ends), "bumps": most,
+        "length": spacing.length,
         "largest_step": spacing.largest, "accuracy": exact,
         "scales": str(dict(scales)) if scales else "", **chosen.protocol,
         **SharedOptions(parameters, tolerance).recorded,
     }  # fmt: skip
-    return _dataset(chosen, parameter, _unique(found, begin, end), len(candidates), options)
+    return _dataset(chosen, parameter, found, search, options)
 
 
 def _read_between(between: Any) -> tuple[float, float]:
@@ -215,32 +207,73 @@ def _read_between(between: Any) -> tuple[float, float]:
     return low, high
 
 
-def _moved(found: list[ManifoldCrossing], both: Both) -> list[ManifoldCrossing]:
-    """Crossings with the points of other saddles at the same value, which bumps refer to."""
-    return [
-        each._replace(
-            passage=each.passage._replace(
-                out=_like(each.passage.out, both.out.points),
-                into=_like(each.passage.into, both.into.points),
-            )
-        )
-        for each in found
-    ]
+class _Search:
+    """Tangencies between two values of the parameter, from the crossings at these."""
 
+    def __init__(
+        self, orbits: _Orbits, sides: tuple[str, str], spacing: Spacing, accuracy: float, most: int
+    ) -> None:
+        self.orbits, self.sides = orbits, sides
+        self.spacing, self.accuracy, self.most = spacing, accuracy, most
+        self.tried = 0  # pairs of crossings
+        self._crossings: dict[float, list[ManifoldCrossing]] = {}
 
-def _like(point: Any, points: Any) -> Any:
-    """The point at the same place."""
-    origin = point.here.coordinates.origin
-    return min(points, key=lambda other: np.abs(other.here.coordinates.origin - origin).max())
+    def crossings(self, value: float) -> list[ManifoldCrossing]:
+        """Crossings of both manifolds at a value."""
+        if value not in self._crossings:
+            both = self.orbits.saddles(value)
+            assert both is not None  # as it has been checked, or followed
+            curves = curves_of_both(both, self.sides, self.spacing, self.accuracy)
+            self._crossings[value] = find_crossings(*curves[:2])[0]
+        return self._crossings[value]
+
+    def tangencies(self, first: float, second: float) -> list[Tangency]:
+        """All of them, that farthest from the value with more crossings first.
+
+        Where no pair of crossings can be followed to where it vanishes, as they are too far apart,
+        a half of the range with fewer behind it is asked.
+        """
+        begin, end = first, second
+        if len(self.crossings(first)) <= len(self.crossings(second)):
+            begin, end = second, first
+        for _ in range(_HALVINGS + 1):
+            found = self._touching(begin, end)
+            fewer = len(self.crossings(end))
+            if found or len(self.crossings(begin)) == fewer:
+                return _unique(found, begin, abs(second - first))
+            middle = 0.5 * (begin + end)
+            if self.orbits.saddles(middle) is None:
+                break
+            if len(self.crossings(middle)) > fewer:
+                begin = middle
+            else:
+                end = middle
+        return []
+
+    def _touching(self, begin: float, end: float) -> list[Tangency]:
+        """Those in which crossings at one value vanish on the way to another."""
+        both, found = self.orbits.saddles(begin), []
+        assert both is not None  # its curves have been followed
+        candidates = bumps_of(self.crossings(begin), both)[: self.most]
+        self.tried += len(candidates)
+        with Progress("homoclinic tangency", len(candidates)) as progress:
+            for k, bump in enumerate(candidates):
+                one = touch(bump, begin, end, self.orbits.saddles)
+                if one is not None:
+                    found.append(one)
+                progress.update(k + 1)
+        return found
 
 
 class _Orbits:
     """The saddles at any value of the parameter, followed from those that are given."""
 
     def __init__(
-        self, chosen: Map, parameter: str, orbits: tuple[Any, Any], scales: Any, tolerance: float
-    ) -> None:
+        self, chosen: Map, parameter: str, between: tuple[float, float], orbits: tuple[Any, Any],
+        scales: Any, tolerance: float,
+    ) -> None:  # fmt: skip
         self.chosen, self.parameter = chosen, parameter
+        self.step = abs(between[1] - between[0]) / _PARTS
         self.scales, self.tolerance = scales, tolerance
         own = float(chosen.system.parameter_values[parameter])
         self.known: dict[float, tuple[Any, Any]] = {}
@@ -252,11 +285,13 @@ class _Orbits:
             )
         self.known[own] = found
         self.both: dict[float, Both] = {}
+        self.saddles(own)
 
     def at(self, value: float) -> tuple[Map, tuple[Any, Any]]:
         """The map at a value and the orbits there."""
         begin = min(self.known, key=lambda each: abs(each - value))
-        for part in np.linspace(begin, value, _PARTS + 1)[1:].tolist() if begin != value else ():
+        parts = int(np.ceil(abs(value - begin) / self.step))
+        for part in np.linspace(begin, value, parts + 1)[1:].tolist():
             near = min(self.known, key=lambda each: abs(each - part))
             found = self._followed(self.known[near], part)
             if found is None:
@@ -265,6 +300,8 @@ class _Orbits:
                     " ended in a fold; give a narrower range"
                 )
             self.known[part] = found
+            if part != value:
+                self.saddles(part)  # so that sides are known on the way
         return self._map(value), self.known[value]
 
     def check(self, value: float) -> None:
@@ -286,11 +323,13 @@ class _Orbits:
         return self.both[value]
 
     def _saddles(self, at: Map, orbits: tuple[Any, Any]) -> Both:
-        found = [
-            find_saddle(at, orbit, which, self.scales, self.tolerance)
-            for which, orbit in zip(("unstable", "stable"), orbits, strict=True)
-        ]
-        return Both(found[0], found[1])
+        """The saddles, with the sides of those at the nearest value."""
+        found = Both(*both_saddles(at, orbits, self.scales, self.tolerance))
+        if not self.both:
+            return found
+        value = float(at.system.parameter_values[self.parameter])
+        near = self.both[min(self.both, key=lambda each: abs(each - value))]
+        return Both(*(with_sides_of(*pair) for pair in zip(found, near, strict=True)))
 
     def _map(self, value: float) -> Map:
         try:
@@ -323,17 +362,17 @@ def _beside(system: System, orbit: Any, near: Any) -> Any:
     return orbit.assign({n: orbit[n] - turns[system.states.index(n)] for n in system.angles})
 
 
-def _unique(found: list[Tangency], begin: float, end: float) -> list[Tangency]:
+def _unique(found: list[Tangency], begin: float, whole: float) -> list[Tangency]:
     """Tangencies one by one, the one farthest from the value with more crossings first."""
     kept: list[Tangency] = []
     for each in sorted(found, key=lambda one: (-abs(one.value - begin), one.bump.images)):
-        if all(abs(each.value - one.value) > _SAME * abs(end - begin) for one in kept):
+        if all(abs(each.value - one.value) > _SAME * whole for one in kept):
             kept.append(each)
     return kept
 
 
 def _dataset(
-    chosen: Map, parameter: str, found: list[Tangency], tried: int, options: dict[str, Any]
+    chosen: Map, parameter: str, found: list[Tangency], search: _Search, options: dict[str, Any]
 ) -> xr.Dataset:
     """Dataset over ``tangency``."""
     import xarray as xr
@@ -361,9 +400,15 @@ def _dataset(
     }  # fmt: skip
     message, status = "completed", "completed"
     if not found:
-        status = "no_tangency"
+        status, fewer, more = "no_tangency", *sorted(map(int, options["crossings"].split()))
+        cure = "let between= begin where the manifolds cross and end where they do not"
+        if fewer < more:
+            cure = (
+                f"the manifolds cross {fewer} times at one value and {more} times at the other,"
+                " but no pair could be followed to where it vanishes: narrow between="
+            )
         message = (
-            f"none of {tried} pairs of crossings vanishes between the values: let between= begin"
-            " where the manifolds cross and end where they do not, or raise length= and bumps="
+            f"none of {search.tried} pairs of crossings vanishes between the values; {cure}, or"
+            " raise length= and bumps="
         )
     return xr.Dataset(variables, None, result_attributes(system, status, message, options))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +20,9 @@ from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
 
-__all__ = ["Saddle", "SaddlePoint", "check_orbit", "check_plane", "find_saddle"]
+__all__ = [
+    "Saddle", "SaddlePoint", "check_orbit", "check_plane", "find_saddle", "with_sides_of",
+]  # fmt: skip
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
@@ -300,6 +302,24 @@ def _oriented(vector: Floats) -> Floats:
     vector = vector / np.linalg.norm(vector)
     found: Floats = vector * np.sign(vector[np.argmax(np.abs(vector))])
     return found
+
+
+def with_sides_of(saddle: Saddle, near: Saddle) -> Saddle:
+    """The saddle with the sides that one at parameters nearby has.
+
+    The largest entry of a direction may be another one there, and its sign says nothing then.
+    """
+    pairs = zip(saddle.points, near.points, strict=True)
+    return replace(saddle, points=tuple(_like(*pair) for pair in pairs))
+
+
+def _like(point: SaddlePoint, near: SaddlePoint) -> SaddlePoint:
+    basis, other = point.here.coordinates.basis, near.here.coordinates.basis
+    along = float(np.sign((basis @ point.direction) @ (other @ near.direction)))
+    across = float(np.sign((basis @ point.leaving) @ (other @ near.leaving)))
+    return point._replace(
+        direction=along * point.direction, dual=along * point.dual, leaving=across * point.leaving
+    )
 
 
 def check_plane(point: SaddlePoint, size: float) -> None:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.manifolds.crossings import ManifoldCrossing
 from nonsmooth.analysis.manifolds.passage import Passage
-from nonsmooth.analysis.manifolds.saddle import Saddle, SaddlePoint
+from nonsmooth.analysis.manifolds.saddle import Saddle
 from nonsmooth.runs.whole_turns import periods_of_states
 
 __all__ = ["Both", "Bump", "Tangency", "bumps_of", "touch"]
@@ -30,13 +30,15 @@ _MOVES = 8  # times that the window follows a top that has come to its end
 _NEAR_END = 0.02  # of the window
 _SAMPLES = 65  # places at which it is seen how wide a bump is
 _LEAST = 1e-9  # of a place: the least one, and the least width of a window
+_BENDS = 0.1  # of the way of a top between two values, by which it may be off a straight one
 _ROUNDS = 80  # of the search for a zero
+_JUMP = 1e-6  # of the heights at which that begins: what may be left of them in the end
 _BESIDE = 1e-6  # of the place, where slopes on both sides of a top are taken
 _SMOOTH = 2.0  # times the change of slopes twice as near
 
 
 class Both(NamedTuple):
-    """The saddle of each manifold, at one value of the parameter."""
+    """The saddle of each manifold, at one value of the parameter; sides are those of all values."""
 
     out: Saddle
     into: Saddle
@@ -56,8 +58,6 @@ class Bump(NamedTuple):
     way: float  # sign across the stable manifold between them
     length: float  # of the first piece of the unstable manifold
     reach: float  # of that of the stable one, with the sign of its side
-    leaving: Floats  # directions of the unstable and across the stable manifold, to tell signs
-    across: Floats
 
 
 class Tangency(NamedTuple):
@@ -97,8 +97,6 @@ def bumps_of(found: list[ManifoldCrossing], both: Both) -> list[Bump]:
         bump = Bump(
             out, passage.side, into, images, ahead, _counted(both, passage.shift), low, high,
             float(np.sign(middle)), other.length, other.reach,
-            _spread(passage.out, passage.out.direction),
-            _spread(passage.into, passage.into.leaving),
         )  # fmt: skip
         bumps.append(bump)
     return sorted(bumps, key=lambda each: (each.images + each.ahead, each.images))
@@ -125,12 +123,6 @@ def _counted(both: Both, shift: Floats) -> Floats:
     """How many periods of each angle a shift is; the periods may depend on the parameter."""
     periods = periods_of_states(both.into.chosen.system)
     return np.rint(shift / np.where(periods > 0.0, periods, 1.0))
-
-
-def _spread(point: SaddlePoint, vector: Floats) -> Floats:
-    """A vector of the plane in all scaled states."""
-    found: Floats = point.here.coordinates.basis @ vector
-    return found
 
 
 class _Top(NamedTuple):
@@ -173,42 +165,49 @@ def _vanishes(
         if top is None:
             return None
         if top.height <= 0.0:
-            return _zero(bump, tops, top, at) if tops else None
+            return _zero(bump, tops[-1], top, at) if tops else None
         tops.append(top)
     return None
 
 
 def _expected(tops: list[_Top], value: float) -> float:
-    """Where the top will be at a value, on the line through the last two."""
+    """Where the top will be at a value behind the last one, on the line through the last two."""
     last = tops[-1]
-    if len(tops) == 1 or tops[-2].value == last.value:
+    if len(tops) == 1:
         return last.place
     slope = (last.place - tops[-2].place) / (last.value - tops[-2].value)
-    return last.place + slope * (value - last.value)
+    return max(last.place + slope * (value - last.value), 0.5 * last.place)
+
+
+def _between(above: _Top, below: _Top, value: float) -> tuple[float, float]:
+    """Where the top will be at a value between two, and in which window it is looked for."""
+    part = (value - above.value) / (below.value - above.value)
+    way = below.place - above.place
+    width = max(above.width, _BENDS * abs(way), _LEAST * above.place)
+    return above.place + part * way, width
 
 
 def _top(bump: Bump, both: Both, value: float, middle: float, width: float) -> _Top | None:
-    """The top of a bump near a place; while the manifolds cross, the window follows it.
+    """The top of a bump near a place; the window follows it, and becomes wider where it is low.
 
-    Places grow by the multiplier from image to image, so the window ends at half the place: far
-    below, starts stay at the saddle and are across by next to nothing.
+    While the manifolds cross there may be higher tops beside this one. Places grow by the
+    multiplier from image to image, so the window ends at half the place: far below, starts stay at
+    the saddle and are across by next to nothing.
     """
     out, into = both.out.points[bump.out], both.into.points[bump.into]
-    side = bump.side * np.sign(_spread(out, out.direction) @ bump.leaving)
-    way = bump.way * float(np.sign(_spread(into, into.leaving) @ bump.across))
     shift = bump.turns * periods_of_states(both.into.chosen.system)
-    passage = Passage(out, float(side), into, bump.images, bump.ahead, shift)
-    place, height = middle, -np.inf
+    passage = Passage(out, bump.side, into, bump.images, bump.ahead, shift)
+    place, height, first = middle, -np.inf, width
     for _ in range(_MOVES):
         middle = min(middle, bump.length)
         low, high = max(middle - width, 0.5 * middle), min(middle + width, bump.length)
-        place, height = passage.largest(low, high, way)
-        if not height > 0.0 or min(place - low, high - place) > _NEAR_END * width:
+        place, height = passage.largest(low, high, bump.way)
+        if min(place - low, high - place) > _NEAR_END * width:
             break
-        middle = place
+        middle, width = place, width if height > 0.0 else 2.0 * width
     if not np.isfinite(height):
         return None
-    across = _extent(passage, way, place, width) if height > 0.0 else 0.0
+    across = _extent(passage, bump.way, place, first) if height > 0.0 else 0.0
     return _Top(value, height, place, across, passage)
 
 
@@ -229,28 +228,28 @@ def _extent(passage: Passage, way: float, place: float, width: float) -> float:
 
 
 def _zero(
-    bump: Bump, tops: list[_Top], below: _Top, at: Callable[[float], Both | None]
+    bump: Bump, above: _Top, below: _Top, at: Callable[[float], Both | None]
 ) -> Tangency | None:
-    """The value between two at which the top is on the stable manifold.
+    """The value between two at which the top is on the stable manifold; None where it jumps there.
 
     By the Illinois method, or halves where that is slow: heights far from the manifold are no
     longer in proportion to distances.
     """
-    above, weights = tops[-1], [1.0, 1.0]  # of the heights above and below
+    weights = [1.0, 1.0]  # of the heights above and below
     kept, slow, size = 0, 0, abs(below.value - above.value)
+    jump = _JUMP * (above.height - below.height)
     for _ in range(_ROUNDS):
         up, down = weights[0] * above.height, weights[1] * below.height
         part = 0.5 if slow > 1 else up / (up - down)
         value = above.value + part * (below.value - above.value)
         if not min(above.value, below.value) < value < max(above.value, below.value):
             break
-        width = max(above.width, _LEAST * above.place)
         both = at(value)
-        top = None if both is None else _top(bump, both, value, _expected(tops, value), width)
+        top = None if both is None else _top(bump, both, value, *_between(above, below, value))
         if top is None:
             return None
         if top.height > 0.0:
-            above, tops = top, [above, top]
+            above = top
             weights = [1.0, 0.5 * weights[1] if kept == 1 else 1.0]
             kept = 1
         else:
@@ -258,6 +257,8 @@ def _zero(
             kept = -1
         slow = slow + 1 if abs(below.value - above.value) > 0.5 * size else 0
         size = abs(below.value - above.value)
+    if min(above.height, -below.height) > jump:
+        return None
     best = above if above.height < -below.height else below
     slope = (above.height - below.height) / size
     error = min(size, abs(best.height) / slope + float(np.spacing(abs(best.value))))
