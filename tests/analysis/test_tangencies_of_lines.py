@@ -3,9 +3,9 @@
 x'' = k x + e cos(w t) falls away from x = 0. Beside its saddle, whose motion is the real part of
 c exp(i w t) with c = -e/(w^2 + k), the manifolds are the lines v - u' = +-sqrt(k) (x - u), until
 the wall at x = 1 turns the unstable one back: v becomes -r v there. It comes back on the stable one
-where (1 - r) sqrt(k) = Re[((1 + r) i w + (1 - r) sqrt(k)) c exp(i w t)] for some t. Both touch where
-the size of what is multiplied by the exponential is the left side (Shaw and Rand, Int. J. Non-Linear
-Mechanics 24, 41-56, 1989). For larger k they do not meet at all.
+where (1 - r) sqrt(k) = Re[((1 + r) i w + (1 - r) sqrt(k)) c exp(i w t)] for some t. Both touch
+where the size of what is multiplied by the exponential is the left side (Shaw and Rand, Int. J.
+Non-Linear Mechanics 24, 41-56, 1989). For larger k they do not meet at all.
 """
 
 import numpy as np

@@ -181,7 +181,7 @@ def homoclinic_tangency(
     orbits = _Orbits(chosen, parameter, ends, read_orbits(orbit, to), scales, tolerance)
     for value in ends:  # before long work
         orbits.check(value)
-    search = _Search(orbits, (side, to_side), spacing, exact, most)
+    search = _TangencySearch(orbits, (side, to_side), spacing, exact, most)
     found = search.tangencies(*ends)
     options = {
         "parameter": parameter, "between": f"{ends[0]:g} {ends[1]:g}",
@@ -207,7 +207,7 @@ def _read_between(between: Any) -> tuple[float, float]:
     return low, high
 
 
-class _Search:
+class _TangencySearch:
     """Tangencies between two values of the parameter, from the crossings at these."""
 
     def __init__(
@@ -372,7 +372,11 @@ def _unique(found: list[Tangency], begin: float, whole: float) -> list[Tangency]
 
 
 def _dataset(
-    chosen: Map, parameter: str, found: list[Tangency], search: _Search, options: dict[str, Any]
+    chosen: Map,
+    parameter: str,
+    found: list[Tangency],
+    search: _TangencySearch,
+    options: dict[str, Any],
 ) -> xr.Dataset:
     """Dataset over ``tangency``."""
     import xarray as xr
