@@ -98,15 +98,8 @@ def test_a_branch_over_numbers_of_rebounds():
         assert float(run["v"][-1]) == pytest.approx(there["v"], abs=1e-11)
 
 
-FROM_REST = pytest.mark.xfail(
-    reason="from this side rounding decides whether a rebound is on the section, and the branch"
-    " may end there as a word_change",
-    strict=False,
-)
-
-
 @pytest.mark.few(1)
-@pytest.mark.parametrize("omega", [0.3118, pytest.param(0.314, marks=FROM_REST)])
+@pytest.mark.parametrize("omega", [0.3118, 0.314])
 def test_a_branch_through_the_end_of_rebounds(omega):
     """Infinitely many pass the section at omega = 0.31262: behind it, it lies at rest."""
     system = wall(zeta=0.02, omega=omega)
