@@ -155,7 +155,8 @@ class KnownCurve:
         at_low = self.sides(here, points + low[:, None] * normals, places, depths)
         at_high = self.sides(here, points + high[:, None] * normals, places, depths)
         good = at_low * at_high < 0.0
-        size = np.finfo(float).eps * np.abs(points).max(axis=1, initial=0.0)
+        # what no two places on a line can be nearer than, from its middle to its ends
+        size = np.finfo(float).eps * np.maximum(np.abs(points).max(axis=1, initial=0.0), widths)
         size = np.maximum(size, here.coordinates.rounding)
         live = np.flatnonzero(good)
         while live.size:
