@@ -309,14 +309,19 @@ def with_sides_of(saddle: Saddle, near: Saddle) -> Saddle:
 
     The largest entry of a direction may be another one there, and its sign says nothing then.
     """
+    if len(saddle.points) != len(near.points):
+        raise OptionError(
+            f"orbit: it comes back after {len(saddle.points)} iterates, and after"
+            f" {len(near.points)} at parameters nearby; follow one orbit with continue_orbit"
+        )
     pairs = zip(saddle.points, near.points, strict=True)
     return replace(saddle, points=tuple(_like(*pair) for pair in pairs))
 
 
 def _like(point: SaddlePoint, near: SaddlePoint) -> SaddlePoint:
     basis, other = point.here.coordinates.basis, near.here.coordinates.basis
-    along = float(np.sign((basis @ point.direction) @ (other @ near.direction)))
-    across = float(np.sign((basis @ point.leaving) @ (other @ near.leaving)))
+    along = np.copysign(1.0, (basis @ point.direction) @ (other @ near.direction))
+    across = np.copysign(1.0, (basis @ point.leaving) @ (other @ near.leaving))
     return point._replace(
         direction=along * point.direction, dual=along * point.dual, leaving=across * point.leaving
     )
