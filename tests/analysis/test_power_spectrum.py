@@ -154,3 +154,20 @@ def test_series_of_which_there_is_no_spectrum(values, said):
     data = xr.Dataset({"x": ("time", values)}, {"time": np.arange(len(values)) / 10.0})
     with pytest.raises(ns.OptionError, match=said):
         ns.power_spectrum(data, "x")
+
+
+def test_the_mean_has_its_sign_and_the_line_at_zero_its_size():
+    """The record is a cosine about -0.5 in x, about 0.25 in y."""
+    time = 2 * np.pi * np.arange(321) / 32
+    run = xr.Dataset(
+        {"x": ("time", np.cos(time) - 0.5), "y": ("time", np.sin(time) + 0.25)},
+        {"time": time},
+        {"period": 2 * np.pi},
+    )
+    one, both = ns.power_spectrum(run, "x"), ns.full_spectrum(run, "x", "y")
+    assert one.attrs["mean"] == pytest.approx(-0.5, abs=1e-14)
+    assert float(over_harmonics(one).sel(harmonic=0)) == pytest.approx(0.5, abs=1e-14)
+    means = both.attrs["mean"], both.attrs["second_mean"]
+    assert means == pytest.approx((-0.5, 0.25), abs=1e-14)
+    middle = float(over_harmonics(both).sel(harmonic=0))
+    assert middle == pytest.approx(np.hypot(*means), abs=1e-14)

@@ -45,6 +45,19 @@ def test_phases(window):
     assert "phase" not in ns.waterfall(system, "w", [1.0], "x", segments=2, **QUICK)
 
 
+def test_the_phase_at_zero_is_the_direction_of_the_mean():
+    """A dead load of -0.3 on a unit spring moves the middle of its motion to -0.3."""
+    loaded = ns.System(
+        states=["x", "v"],
+        parameters={"g": 0.3},
+        period="pi",
+        equations={"x": "v", "v": "cos(2*t) - 0.5*v - x - g"},
+    )
+    line = ns.waterfall(loaded, "g", [0.3, -0.2], "x", **QUICK).sel(harmonic=0)
+    means = (line["amplitude"] * np.cos(line["phase"])).values
+    np.testing.assert_allclose(means, [-0.3, 0.2], atol=1e-12)
+
+
 def test_ellipse_over_a_stiffness():
     stiffness = np.array([0.5, 1.0, 2.0, 5.0])
     found = ns.waterfall(shaft(), "k_y", stiffness, ("x", "y"), **QUICK)["amplitude"]

@@ -1,5 +1,6 @@
 import re
 
+import pytest
 import xarray as xr
 
 import nonsmooth as ns
@@ -58,6 +59,23 @@ def test_the_spectrum_of_a_drifting_state_has_no_mean(call):
     assert result.exit_code == 0, result.stderr
     assert value(result.stdout, "drift") == "the mean progression of v is taken off"
     assert "  mean " not in result.stdout
+
+
+@pytest.mark.parametrize("variable", ["y", "y,v"])
+def test_the_mean_has_its_sign(call, tmp_path, variable):
+    """A dead load of -2 on a unit spring; the amplitude at zero is its size."""
+    text = """states = ["y", "v"]
+period = "2*pi"
+[equations]
+y = "v"
+v = "cos(t) - v - y - 2"
+"""
+    (tmp_path / "loaded.toml").write_text(text)
+    lengths = "--record", "10", "--transient", "60"
+    result = call("spectrum", tmp_path / "loaded.toml", "--variable", variable, *lengths)
+    assert result.exit_code == 0, result.stderr
+    label = "mean" if variable == "y" else "mean of y"
+    assert value(result.stdout, label) == "-2"
 
 
 def test_spectrum_without_a_period(call):

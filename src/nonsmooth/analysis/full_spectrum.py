@@ -55,10 +55,10 @@ def full_spectrum(
     -------
     xarray.Dataset
         Over ``frequency``, in cycles per unit time, from the lowest negative one on:
-        ``amplitude``, the radius of the circle that turns at that frequency, that of the mean
-        at zero, and ``power_density``, whose integral is the mean of x² + y². With a period
+        ``amplitude``, the radius of the circle that turns at that frequency, the distance of
+        the mean from the origin at zero, and ``power_density``, whose integral is the mean of x² + y². With a period
         ``harmonic`` counts frequencies in that of the forcing, as orders of a rotor's speed.
-        Attributes as of `power_spectrum`.
+        Attributes as of `power_spectrum`; ``mean`` is that of x, ``second_mean`` that of y.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def full_spectrum(
     values = first.values + 1j * second.values
     lines = lines_of(values, check_window(window, length), first.step)
     attrs = series[0].attrs | record_attributes(series[0], first, window, transient)
-    attrs |= {"variable": x, "second_variable": y}
+    attrs |= {"variable": x, "second_variable": y, "second_mean": float(second.values.mean())}
     what, unit = plane_label(names, ""), series[0].label.get("units", "")
     time_unit = run["time"].attrs.get("units", "")
     return spectrum_dataset(lines, first.periods, what, unit, time_unit, attrs)

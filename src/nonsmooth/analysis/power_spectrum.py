@@ -56,9 +56,10 @@ def power_spectrum(
     -------
     xarray.Dataset
         Over ``frequency``, in cycles per unit time: ``amplitude`` of a sine at that frequency,
-        the mean at zero, and ``power_density``, whose integral is the mean square. With a
-        period ``harmonic`` counts frequencies in that of the forcing. Attributes: ``step``
-        between samples, ``n_samples`` and ``resolution`` of a segment, and the options.
+        the size of the mean at zero, and ``power_density``, whose integral is the mean square.
+        With a period ``harmonic`` counts frequencies in that of the forcing. Attributes: ``mean``
+        with its sign, of a state with drift that of what is left; ``step`` between samples,
+        ``n_samples`` and ``resolution`` of a segment, and the options.
 
     Raises
     ------

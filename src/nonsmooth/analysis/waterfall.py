@@ -108,10 +108,11 @@ def waterfall(
     xarray.Dataset
         Over ``parameter`` and ``harmonic``, the frequency over that of the forcing, which counts
         orders of a speed: ``amplitude`` and ``power_density`` as in `power_spectrum` or
-        `full_spectrum`, of the motion about its mean, which is the amplitude at zero, and
+        `full_spectrum`, of the motion about its mean, whose size is the amplitude at zero, and
         ``frequency`` in cycles per unit time. Of a single segment also ``phase``: a line is
         ``amplitude*cos(2*pi*harmonic*t/period + phase)``, or the circle whose real part that is,
-        with t from the beginning of the record, which is that of a period. Over ``parameter``:
+        with t from the beginning of the record, which is that of a period. At zero it is pi where
+        the mean is negative. Over ``parameter``:
         ``period`` of the forcing in time, ``motion_period``, see notes, and ``status``.
 
     Raises

@@ -402,8 +402,11 @@ def _spectrum_report(result: xr.Dataset, drifting: Sequence[str]) -> Report:
     report.add("record", text, record=record)
     if drifting:  # its mean is that of the place where the record begins
         report.add("drift", f"the mean progression of {' and '.join(drifting)} is taken off")
+    elif "second_mean" in attrs:
+        for name, key in (("variable", "mean"), ("second_variable", "second_mean")):
+            report.add(f"mean of {attrs[name]}", f"{attrs[key]:.6g}", **{key: attrs[key]})
     else:
-        report.number("mean", result["amplitude"].values[frequency == 0.0].item(), ".6g")
+        report.number("mean", attrs["mean"], ".6g")
     amplitude = np.where(frequency == 0.0, 0.0, result["amplitude"].values)
     rising = np.concatenate([[False], amplitude[1:] > amplitude[:-1]])
     falling = np.concatenate([amplitude[:-1] >= amplitude[1:], [True]])

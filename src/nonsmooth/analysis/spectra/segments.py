@@ -115,5 +115,6 @@ def record_attributes(
         "window": window,
         "segments": count,
         "transient": float(transient),
+        "mean": float(parts.values.mean()),
     }
     return attrs if series.period is None else attrs | {"period": series.period}

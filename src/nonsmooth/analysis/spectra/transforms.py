@@ -23,8 +23,8 @@ class Lines(NamedTuple):
 def lines_of(values: npt.NDArray[Any], weights: Floats, step: float) -> Lines:
     """Spectrum of segments (segment, sample); of real ones sines, of complex ones circles.
 
-    The mean of all segments is the amplitude at zero, and its square the power there, whatever the
-    window: a window would spread it over the lines beside.
+    The size of the mean of all segments is the amplitude at zero, and its square the power there,
+    whatever the window: a window would spread it over the lines beside.
     """
     mean = values.mean()
     make: Any = _two_sided if np.iscomplexobj(values) else _one_sided
@@ -62,11 +62,17 @@ def _two_sided(values: npt.NDArray[np.complex128], weights: Floats, step: float)
 
 
 def phases(values: npt.NDArray[Any], weights: Floats) -> Floats:
-    """Phase of each line of one segment at the time one step before its first sample."""
-    length = values.size
-    weighted = (values - values.mean()) * weights
+    """Phase of each line of one segment at the time one step before its first sample.
+
+    That at zero is the direction of the mean, as the amplitude there is its size: pi of a mean
+    below zero.
+    """
+    length, mean = values.size, values.mean()
+    weighted = (values - mean) * weights
     if np.iscomplexobj(values):
         transform, number = np.fft.fftshift(np.fft.fft(weighted)), np.arange(length) - length // 2
     else:
         transform, number = np.fft.rfft(weighted), np.arange(length // 2 + 1)
-    return np.asarray(np.angle(transform * np.exp(-2j * np.pi * number / length)))
+    found = np.asarray(np.angle(transform * np.exp(-2j * np.pi * number / length)))
+    found[number == 0] = np.angle(mean)
+    return found
