@@ -486,6 +486,7 @@ BAD = [
     ({"observe": "x"}, "give an expression of states, outputs and rates for each channel"),
     ({"gain": {"y": 1.0}}, r"gain: unknown channel 'y' \(known: x\)"),
     ({"gain": "loose"}, r"give a number, \(low, high\), free"),
+    ({"gain": 0}, r"gain\['x'\] = 0: the channel would show nothing of the motion"),
     ({"delay": "free"}, r"delay\['x'\] = 'free': give a number or \(low, high\)"),
     ({"noise": 0.0}, "noise is a standard deviation, above zero"),
     ({"segments": 0}, "segments = 0 must be a whole number of at least 1"),
@@ -520,6 +521,28 @@ def test_records_that_cannot_be_fitted_are_refused():
     empty["x"][5:] = np.nan
     with pytest.raises(ns.OptionError, match="5 samples are numbers without a flaw"):
         ns.fit(ramp, empty, {"k": (-5, 5)})
+    with pytest.raises(ns.OptionError, match=r"'x'\]: 1e\+200 .* far too large beside any motion"):
+        ns.fit(ramp, record.assign(x=("time", np.full(record.sizes["time"], 1e200))), {"k": (0, 1)})
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"observe": {"x": "0*x + 1"}},
+        {"observe": {"x": "k"}},
+        {"gain": (-1, 0), "free": {"k": (1, 5)}},  # the record rises, so the gain goes to zero
+    ],
+    ids=["constant", "a parameter", "gain to zero"],
+)
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_channel_that_shows_nothing_of_the_motion(options):
+    """The state is not determined, nor is what only the motion tells of."""
+    ramp, record = line()
+    given = {"free": {"k": (-5, 5)}} | options
+    found = ns.fit(ramp, record, starts=1, segments=1, **given)
+    assert np.isfinite(found["estimate"]).all()
+    undetermined = options.get("observe") != {"x": "k"}
+    assert ("does not determine k" in found.attrs["message"]) == undetermined
 
 
 def test_a_motion_that_begins_nowhere_is_an_error():

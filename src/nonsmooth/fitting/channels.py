@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, ResultWarning, is_known, quote, unknown_name
+from nonsmooth.measured.clock import LARGEST
 from nonsmooth.measured.quality.masks import quality_of
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.runs.section_search import event_names
@@ -295,6 +296,13 @@ def _samples(record: Any, name: str) -> Floats:
     flags = quality_of(record, name)
     if flags is not None:
         values[flags != 0] = np.nan
+    beyond = np.flatnonzero(np.abs(values) > LARGEST)
+    if beyond.size:
+        raise OptionError(
+            f"record[{name!r}]: {values[beyond[0]]:g} (sample {beyond[0]} from 0) is beyond"
+            f" {LARGEST:g}, far too large beside any motion; make samples without a reading nan,"
+            " and convert others to units of the model"
+        )
     count = int(np.count_nonzero(np.isfinite(values)))
     if count < _FEWEST:
         raise OptionError(
@@ -353,6 +361,11 @@ def _range(key: str, name: str, given: Any) -> Range:
         return Range(-np.inf, np.inf, default)
     if not hasattr(given, "__len__"):
         value = finite_real(where, given)
+        if key == "gain" and value == 0.0:
+            raise OptionError(
+                f"{where} = 0: the channel would show nothing of the motion; give another number,"
+                f" (low, high), or {FREE!r}"
+            )
         return Range(value, value, value)
     return _bounds(where, given, default)
 

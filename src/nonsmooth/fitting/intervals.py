@@ -29,6 +29,7 @@ Floats = npt.NDArray[np.float64]
 LEVEL = 0.95
 _OPEN = 0.3  # standard deviation, as a part of the range, beyond which a parameter is open
 _SMALLEST = 1e-9  # singular value, as a part of the largest, that tells nothing
+_NONE = 1e-30  # largest singular value, in noise over ranges, of residuals that nothing changes
 _CLOSE = 0.01  # of the threshold: how near the end of an interval is found
 _NEAR = 0.6  # of the distance by the curvature: an end that is nearer is not believed
 _STEPS = 6  # for one end of an interval
@@ -88,7 +89,8 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     """
     free, basis = free_jacobian(shooting, fitted.evaluation)
     _, sizes, turned = np.linalg.svd(np.linalg.qr(free, mode="r"))
-    least = _SMALLEST * sizes.max(initial=1e-300)
+    largest = sizes.max(initial=0.0)
+    least = _SMALLEST * (largest if largest > _NONE else 1.0)
     untold, sizes = np.flatnonzero(sizes <= least), np.maximum(sizes, least)
     root = basis @ turned.T / sizes
     white: Floats = root @ root.T

@@ -297,6 +297,7 @@ class RecordEquations:
         data = np.concatenate([plan.data for plan in plans])
         apart = gain * seen.values[row, at] + offset - data
         over = whole_turns(apart, np.abs(gain) * turns[row])
+        turned = np.divide(over, gain, out=np.zeros_like(over), where=gain != 0.0)
         moved = np.einsum("kn,knc->kc", seen.by_state[row, at], columns)
         by_head = np.zeros((at.size, self.h))
         by_head[:, : self.p] = moved[:, self.n :] + seen.by_parameter[row, at]
@@ -305,7 +306,7 @@ class RecordEquations:
             own = of == c if c >= 0 else np.ones(of.size, bool)
             here = row[own], at[own]
             if key in ("gain", "offset"):
-                by = seen.values[here] - (over / gain)[own] if key == "gain" else 1.0
+                by = seen.values[here] - turned[own] if key == "gain" else 1.0
                 by_head[own, k] = by / noise[c]
             else:
                 by = weight[own] * seen.in_time[here]

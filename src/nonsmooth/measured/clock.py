@@ -17,6 +17,7 @@ from nonsmooth.runs.options import finite_number
 __all__ = [
     "FEWEST",
     "GAP",
+    "LARGEST",
     "Clock",
     "FilePlaces",
     "Places",
@@ -29,7 +30,7 @@ __all__ = [
 
 Floats = npt.NDArray[np.float64]
 
-_LARGEST = 1e30  # a reading; codes for none are often larger still
+LARGEST = 1e30  # a reading; codes for none are often larger still
 FEWEST = 16  # samples
 _ROUNDING = 1e-6  # of a step, that means over many times are off
 _OFF = 0.1  # of a step, a time may be off the even grid
@@ -87,12 +88,12 @@ def check_finite(
     """
     for name, values in arrays.items():
         with np.errstate(invalid="ignore"):
-            large = np.isfinite(values) & (np.abs(values) > _LARGEST)
+            large = np.isfinite(values) & (np.abs(values) > LARGEST)
         if large.any():
             k = int(np.argmax(large))
             raise OptionError(
                 f"{name}: {values[k]:g} at t = {start + step * k:.7g} is beyond"
-                f" {_LARGEST:g} ({places.at(first + k)}{places.note}); what"
+                f" {LARGEST:g} ({places.at(first + k)}{places.note}); what"
                 " does the recorder write where it has no reading?"
             )
         bad = np.flatnonzero(~np.isfinite(values))
