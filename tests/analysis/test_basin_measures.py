@@ -41,6 +41,17 @@ def cells(count):
     return (np.arange(count) + 0.5) / count
 
 
+def test_a_grid_that_does_not_tell_the_exponent_from_zero_or_one():
+    """A middle-third Cantor set times a line has 1 - ln 2/ln 3 = 0.369; 60 cells are too few."""
+    labels = np.tile(gaps(cells(3**7), 1 / 3, 1 / 3)[:, None], (1, 60))
+    found = ns.uncertainty_exponent(labels)
+    exponent, error = (float(found[name]) for name in ("uncertainty_exponent", "standard_error"))
+    assert exponent < 2 * error and 1 - exponent < 2 * error
+    assert found.attrs["message"].startswith("the exponent is not determined: 0 and 1 are both")
+    wide = ns.uncertainty_exponent(np.tile(labels[:, :1], (1, 729)))
+    assert "not determined" not in wide.attrs["message"]
+
+
 @pytest.mark.parametrize("ndim", [1, 2, 3])
 def test_a_straight_boundary_has_exponent_one(ndim):
     """2 d of N cells in a row are within d cells of the boundary."""

@@ -246,6 +246,7 @@ SCALED = ns.measured.dimensionless(RECORD, length=0.5, natural_frequency=90.0)
         ),
         (lambda m: m.dimensionless(SCALED, length=1, natural_frequency=1), "dimensionless already"),
         (lambda m: m.synchronous(RECORD, 0), "samples_per_period = 0"),
+        (lambda m: m.synchronous(RECORD, 10**12), "of memory are free; give fewer, for more than"),
         (lambda m: m.diagram([]), "list is empty"),
         (lambda m: m.diagram(RECORD), "give a list"),
         (lambda m: m.diagram([RECORD], unit=["Hz"]), "known are rad/s"),

@@ -74,8 +74,8 @@ def uncertainty_exponent(
     xarray.Dataset
         ``uncertainty_exponent``, its ``standard_error``, ``boundary_dimension``; over ``distance``
         the ``uncertain_fraction``, the ``fit``, and ``fitted``, which is true where the line is
-        fitted. Attributes: ``message`` says when the boundary looks smooth or there is none, or
-        the grid is coarse, ``n_cells`` how many cells count.
+        fitted. Attributes: ``message`` says when the boundary looks smooth or there is none, when
+        the exponent is not determined, or the grid is coarse, ``n_cells`` how many cells count.
 
     Raises
     ------
@@ -193,6 +193,11 @@ def _message(law: PowerLaw, error: float, fraction: Floats, saturated: bool) -> 
             " shortest ones and too small; refine the grid"
         )
     if abs(law.exponent - 1.0) <= max(_ERRORS * error, 1e-9):
+        if law.exponent <= _ERRORS * error:
+            return (
+                "the exponent is not determined: 0 and 1 are both within two standard errors;"
+                " refine the grid, along its shortest side first"
+            )
         return "the boundary looks smooth: the exponent is 1 within two standard errors"
     return "fitted"
 

@@ -13,9 +13,12 @@ from nonsmooth.measured.marking import check_marked
 from nonsmooth.measured.quality.masks import masked, masks_at
 from nonsmooth.measured.record import check_record
 from nonsmooth.measured.sections import first_samples, inside, interpolated, revolutions_of
+from nonsmooth.runs.memory import free_memory, size_text
 from nonsmooth.runs.options import whole_number
 
 __all__ = ["synchronous"]
+
+_BESIDE = 16  # numbers beside the variables that are held for each sample while it is made
 
 
 def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
@@ -41,7 +44,8 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     Raises
     ------
     OptionError
-        When the record has no marks, or less than a revolution is left.
+        When the record has no marks, less than a revolution is left, or the samples would fill the
+        memory.
 
     See Also
     --------
@@ -64,6 +68,7 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     record = check_record(record)
     check_marked(record, "synchronous")
     count = whole_number("samples_per_period", samples_per_period)
+    _check_room(record, count)
     times, number, _ = revolutions_of(record, np.arange(count) / count)
     start, rate = float(record["time"][0]), float(record.attrs["sample_rate"])
     places = (times - start) * rate
@@ -103,3 +108,15 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     )  # fmt: skip
     flags = masks_at(record, first_samples(places[k], record.sizes["time"]), 4)
     return masked(found, flags) if flags else found
+
+
+def _check_room(record: xr.Dataset, count: int) -> None:
+    """Refuse so many samples per revolution that they would fill the memory."""
+    total = count * max(record.sizes["mark"] - 1, 0)
+    need, free = 8 * (len(record.data_vars) + _BESIDE) * total, free_memory()
+    if need > free:
+        raise OptionError(
+            f"samples_per_period = {count:g}: {total:.3g} samples take {size_text(need)}, and"
+            f" {size_text(free)} of memory are free; give fewer, for more than the record has"
+            " itself add nothing"
+        )

@@ -27,6 +27,7 @@ Mask = npt.NDArray[np.bool_]
 
 _HARMONICS = (2, 3)
 _SUBHARMONICS = (2, 3)  # a half and a third of the frequency
+_FEWEST_IN_PERIOD = 2  # samples
 _FEWEST_CYCLES = 3  # in a window, for the scatter about a cycle
 
 
@@ -275,6 +276,12 @@ def _marked(record: xr.Dataset, period: Any) -> xr.Dataset:
         )
     length = positive_number("period", period)
     times = record["time"].values
+    held = length * float(record.attrs["sample_rate"])
+    if held < _FEWEST_IN_PERIOD:
+        raise OptionError(
+            f"period = {length:g} holds {held:.3g} samples, and at least {_FEWEST_IN_PERIOD} are"
+            " needed; is it in the unit of time of the record?"
+        )
     turns = math.floor((float(times[-1]) - float(times[0])) / length + 1e-9)
     if turns < 2:
         raise OptionError(f"period = {length:g}: the record holds fewer than two of them")
