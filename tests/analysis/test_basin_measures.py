@@ -18,7 +18,7 @@ def halves(side=128, at=64, ndim=2):
     return labels
 
 
-def gaps(points, left, right):
+def gaps(points, left, right, generations=60):
     """1 or 2 by the generation of the gap of a Cantor set, whose parts shrink by two factors.
 
     Gaps of both kinds accumulate at every point of the set, so it is the boundary; its dimension
@@ -26,7 +26,7 @@ def gaps(points, left, right):
     """
     points = np.array(points)
     labels = np.zeros(points.shape, int)
-    for generation in range(60):
+    for generation in range(generations):
         below, above = points < left, points > 1 - right
         labels[~(below | above) & (labels == 0)] = 1 + generation % 2
         points = np.where(below, points / left, np.where(above, (points - 1 + right) / right, 0.5))
@@ -43,7 +43,7 @@ def cells(count):
 
 def test_a_grid_that_does_not_tell_the_exponent_from_zero_or_one():
     """A middle-third Cantor set times a line has 1 - ln 2/ln 3 = 0.369; 60 cells are too few."""
-    labels = np.tile(gaps(cells(3**7), 1 / 3, 1 / 3)[:, None], (1, 60))
+    labels = np.tile(gaps(cells(3**7), 1 / 3, 1 / 3, generations=7)[:, None], (1, 60))
     found = ns.uncertainty_exponent(labels)
     exponent, error = (float(found[name]) for name in ("uncertainty_exponent", "standard_error"))
     assert exponent < 2 * error and 1 - exponent < 2 * error

@@ -306,3 +306,16 @@ def test_an_output_cannot_be_drawn_over_a_branch(call, tmp_path):
     assert result.exit_code == 2
     assert "--draw: 'stop_force' is an output, and the points of a branch hold" in result.stderr
     assert "nonsmooth diagram --draw stop_force" in result.stderr
+
+
+def test_manifolds_that_do_not_cross_are_nothing_found(call, tmp_path):
+    """Those of a linear saddle are straight lines."""
+    text = """states = ["x", "v"]
+period = "2*pi"
+equations = { x = "v", v = "x + 0.1*cos(t)" }
+"""
+    (tmp_path / "hill.toml").write_text(text)
+    options = "--initial", "x=-0.05", "--transient", "0", "--length", "0.1"
+    result = call("homoclinic", tmp_path / "hill.toml", *options)
+    assert result.exit_code == 1, result.stderr
+    assert value(result.stdout, "status").startswith("the curves do not cross")

@@ -52,9 +52,11 @@ def test_a_profile_with_bands_and_ends_of_the_region():
         {"parameter": ("parameter", [1.0, 2.0, 3.0], {"long_name": "force"}), "attractor": [1, 2]},
     )
     ax = ns.plot.erosion_profile(profile)
-    one, ends, two = ax.lines
+    one, two, ends = ax.lines
     np.testing.assert_array_equal(one.get_ydata(), [2.0, 1.0, 0.5])
     assert ends.get_xdata().tolist() == [1.0] and two.get_label() == "attractor 2"
+    entries = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert entries == ["attractor 1", "attractor 2", "ball ended by the region"]
     assert len(ax.collections) == 2 and ax.get_ylim()[0] == 0.0 and ax.get_xlabel() == "force"
     relative = ns.plot.erosion_profile(profile, relative=True)
     np.testing.assert_allclose(relative.lines[0].get_ydata(), [1.0, 0.5, 0.25])

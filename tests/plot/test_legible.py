@@ -321,3 +321,24 @@ def test_curves_of_a_caller_are_told_apart_with_every_kind_of_colour_vision():
 def test_no_cells_are_refused():
     with pytest.raises(OptionError, match="no cells to draw"):
         ns.plot.basins(basins().isel(p=slice(0, 0)))
+
+
+@pytest.mark.parametrize("name", ["displacement [mm]", "displacement of the outer ring [mm]"])
+def test_the_label_of_a_bar_of_colours_is_not_cut(name):
+    """In figures of a column's width, whose axes are lower than the label is long."""
+    spring = ns.System(
+        states=["x", "v"],
+        parameters={"w": 1.5},
+        period="2*pi/w",
+        equations={"x": "v", "v": "cos(w*t) - 0.5*v - x"},
+        describe={"x": name},
+    )
+    spectra = ns.waterfall(spring, "w", [0.8, 1.2], "x", transient=30, record=8)
+    ax = ns.plot.waterfall(spectra, kind="map", over="harmonic")
+    figure = ax.get_figure()
+    bar = figure.axes[1]
+    figure.canvas.draw()
+    label = bar.yaxis.label.get_window_extent()
+    assert figure.bbox.y0 <= label.y0 and label.y1 <= figure.bbox.y1
+    assert label.x1 <= figure.bbox.x1
+    assert bar.get_ylabel().replace("\n", " ") == f"amplitude of the {name}"

@@ -56,8 +56,9 @@ def full_spectrum(
     xarray.Dataset
         Over ``frequency``, in cycles per unit time, from the lowest negative one on:
         ``amplitude``, the radius of the circle that turns at that frequency, the distance of
-        the mean from the origin at zero, and ``power_density``, whose integral is the mean of x² + y². With a period
-        ``harmonic`` counts frequencies in that of the forcing, as orders of a rotor's speed.
+        the mean from the origin at zero, and ``power_density``, whose integral is the mean of
+        x² + y². With a period ``harmonic`` counts frequencies in that of the forcing, as orders of
+        a rotor's speed.
         Attributes as of `power_spectrum`; ``mean`` is that of x, ``second_mean`` that of y.
 
     Raises

@@ -384,7 +384,8 @@ def crossings(task: Task) -> None:
         report.add("status", found.attrs["message"], status=found.attrs["status"])
         report.add("crossings", found.attrs["crossings"], crossings=found.attrs["crossings"])
         _add_points(report, found, states, "tangency", parameter, parameter)
-    task.finish(found, report, code=0 if found.attrs["status"] == "completed" else ENDED_EARLY)
+    any_found = found.sizes["crossing" if task["over"] is None else "tangency"] > 0
+    task.finish(found, report, code=task.by_status(found) or (0 if any_found else ENDED_EARLY))
 
 
 def _add_points(

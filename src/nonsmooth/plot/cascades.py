@@ -12,7 +12,7 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, quote, unknown_choice
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
+from nonsmooth.plot.style import PALETTE, axis_label, colour_bar, finish_axes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -186,12 +186,7 @@ def _draw_map(data: xr.Dataset, ax: Axes, over: str, last: float, height: float 
         norm=LogNorm(largest * 10.0**-_DECADES, largest), cmap="magma_r", rasterized=True,
         linewidth=0.0,
     )  # fmt: skip
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    bar = figure.colorbar(mesh, ax=ax, pad=0.02, extend="min")
-    size = float(ax.xaxis.label.get_fontsize())
-    bar.set_label(axis_label(data["amplitude"]), fontsize=size)
-    bar.ax.tick_params(labelsize=size - 1.0, width=0.6, length=2.5)
+    colour_bar(ax, mesh, axis_label(data["amplitude"]), extend="min")
     ax.set_ylim(*_edges(values)[[0, -1]])
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,7 @@ _MEASURES = {
     "global": ("global_integrity", "global_error", "share of the region"),
     "factor": ("integrity_factor", "factor_error", "radius of the largest ball"),
 }
+_RINGED = "ball ended by the region"
 _PALE = 0.25  # opacity of bands
 _DASHES = ("-", "--", "-.", ":")
 
@@ -60,8 +61,8 @@ def erosion_profile(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes. Attractors have the colours of `nonsmooth.plot.basins`; circles are values where
-        the end of the region, and not a border, ends the ball.
+        The axes. Attractors have the colours of `nonsmooth.plot.basins`; a circle around a point
+        says that the end of the region, and not a border, ends the ball, which may be larger.
 
     Raises
     ------
@@ -97,6 +98,7 @@ def erosion_profile(
     numbers = profile["attractor"].values.tolist()
     styles = attractor_styles(profile, numbers)
     values = profile["parameter"].values
+    rings = []
     for place, number in enumerate(numbers):
         one = profile.sel(attractor=number)
         height, bound = one[name].values, one[error].values
@@ -111,7 +113,14 @@ def erosion_profile(
         ax.fill_between(
             values, low, (height + bound) / scale, color=colour, alpha=_PALE, linewidth=0.0
         )
-        _mark_ends(ax, one, measure, values, height / scale, colour)
+        ended = _ended_by_region(one, measure)
+        if ended.any():
+            rings.append((values[ended], height[ended] / scale, colour))
+    for place, (across, up, colour) in enumerate(rings):  # last, as is their entry of the legend
+        ax.plot(
+            across, up, linestyle="none", marker="o", markersize=4.0, markerfacecolor="none",
+            markeredgecolor=colour, markeredgewidth=0.8, label="" if place else _RINGED,
+        )  # fmt: skip
     if relative:
         label += ", beside its largest"
     finish_axes(ax, axis_label(profile["parameter"]), label)
@@ -121,16 +130,9 @@ def erosion_profile(
     return ax
 
 
-def _mark_ends(
-    ax: Axes, one: xr.Dataset, measure: str, values: Floats, height: Floats, colour: Any
-) -> None:
-    """Circles where a ball ends at the end of the region, and may be larger."""
+def _ended_by_region(one: xr.Dataset, measure: str) -> npt.NDArray[np.bool_]:
+    """Where a ball ends at the end of the region, and may be larger."""
     limit = f"{measure}_limit"
     if limit not in one:
-        return
-    ended = one[limit].values == "region"
-    if ended.any():
-        ax.plot(
-            values[ended], height[ended], linestyle="none", marker="o", markersize=4.0,
-            markerfacecolor="none", markeredgecolor=colour, markeredgewidth=0.8,
-        )  # fmt: skip
+        return np.zeros(one.sizes["parameter"], bool)
+    return np.asarray(one[limit].values == "region")

@@ -9,7 +9,7 @@ import numpy as np
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, quote
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
+from nonsmooth.plot.style import PALETTE, axis_label, colour_bar, finish_axes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -116,10 +116,5 @@ def _matrix(ax: Axes, cycles: xr.Dataset, weights: np.ndarray, bins: int, what: 
         *edges, np.ma.masked_equal(counts.T, 0.0), cmap="viridis_r", norm=LogNorm(least, most),
         rasterized=True,
     )  # fmt: skip
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    bar = figure.colorbar(mesh, ax=ax)
-    size_of_text = float(ax.xaxis.label.get_fontsize())
-    bar.ax.tick_params(labelsize=size_of_text - 1.0)
-    bar.set_label(what, size=size_of_text)
+    colour_bar(ax, mesh, what)
     finish_axes(ax, axis_label(cycles["mean"]), axis_label(cycles["range"]))

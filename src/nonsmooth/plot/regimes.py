@@ -13,7 +13,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.period_colours import OTHER_REGIMES, by_period
-from nonsmooth.plot.style import axis_label, finish_axes
+from nonsmooth.plot.style import axis_label, colour_bar, finish_axes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,7 +31,6 @@ _SMALLEST = 5.5  # letters in points
 _WIDEST = 32  # letters in a line of the legend
 _DENSE = 10_000  # cells; more become an image within a PDF
 
-_WIDEST_LABEL = 34  # letters in a line of the label of a quantity
 
 Floats = npt.NDArray[np.float64]
 
@@ -234,12 +233,7 @@ def draw_quantity(grid: xr.Dataset, quantity: str, ax: Axes, legend: bool) -> Ax
     ax.set_xlim(x[0], x[-1])
     ax.set_ylim(y[0], y[-1])
     if legend:
-        figure = ax.get_figure(root=True)
-        assert figure is not None
-        bar = figure.colorbar(mesh, ax=ax)
-        size = float(ax.xaxis.label.get_fontsize())
-        bar.set_label(fill(axis_label(grid[quantity]), _WIDEST_LABEL), fontsize=size)
-        bar.ax.tick_params(labelsize=float(ax.get_xticklabels()[0].get_fontsize()))
+        colour_bar(ax, mesh, axis_label(grid[quantity]))
     return ax
 
 

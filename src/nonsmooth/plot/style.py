@@ -306,17 +306,20 @@ def _drawn_height(ax: Axes) -> float:
     return min(height, width * float(ax.get_aspect()) * ax.get_data_ratio())
 
 
-def colour_bar(ax: Axes, drawn: Any, label: str, *, inset: bool = False) -> None:
-    """Bar beside the axes with texts of the same size.
+def colour_bar(
+    ax: Axes, drawn: Any, label: str, *, inset: bool = False, extend: str = "neither"
+) -> None:
+    """Bar beside the axes with texts of the same size, whose label is no longer than the bar.
 
-    An inset one is as high as axes that have a shape of their own, such as equal scales.
+    It has a point at an end beyond which values have the last colour, as ``extend`` says. An inset
+    one is as high as axes that have a shape of their own, such as equal scales.
     """
     figure = ax.get_figure(root=True)
     assert figure is not None
     place: dict[str, Any] = {"ax": ax, "pad": 0.02, "aspect": 25}
     if inset:
         place = {"cax": ax.inset_axes((1.03, 0.0, 0.035, 1.0))}
-    bar = figure.colorbar(drawn, **place)
+    bar = figure.colorbar(drawn, extend=extend, **place)
     size = float(ax.xaxis.label.get_fontsize())
     bar.set_label(wrapped(label, _drawn_height(ax), size), fontsize=size)
     bar.ax.tick_params(labelsize=size - 1.0, width=0.6, length=2.5)

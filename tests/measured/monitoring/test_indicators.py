@@ -156,7 +156,7 @@ def test_a_record_without_marks_needs_a_period():
         ns.measured.indicators(plain)
     with pytest.raises(ns.OptionError, match="holds fewer than two"):
         ns.measured.indicators(plain, period=8.0)
-    with pytest.raises(ns.OptionError, match="period = 1e-09 holds .* samples, and at least 2"):
+    with pytest.raises(ns.OptionError, match=r"period = 1e-09 holds .* samples, and at least 2"):
         ns.measured.indicators(plain, period=1e-9)
     with pytest.raises(ns.OptionError, match="windows are left out"):
         ns.measured.indicators(plain.assign(x=plain["x"] * np.nan), period=0.05)
