@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import pickle
 import shutil
 import threading
 import time
@@ -152,6 +153,21 @@ def test_a_damaged_chunk_is_told_and_computed_again(own, whole, harm, told):
     with pytest.warns(ResultWarning, match=f"computed again: tile 5 .{told}"):
         ns.cluster.work(own, threads=1)
     assert_same(own, whole)
+
+
+def test_a_damaged_chunk_of_an_open_map_is_told_by_its_file(own):
+    """When its values are read, and not before; other variables are as they were."""
+    grid = ns.cluster.open_map(own)
+    _flip(own / "K" / "c" / "1" / "2")
+    assert np.isfinite(grid["period"].values).all()
+    with pytest.raises(ns.RunError, match=r"K/c/1/2 is damaged; nonsmooth\.cluster\.work"):
+        grid["K"].load()
+    assert grid["K"][:2, :2].values.shape == (2, 2)  # of another tile
+
+
+def test_an_open_map_goes_to_other_processes(finished):
+    sent = pickle.loads(pickle.dumps(ns.cluster.open_map(finished)))
+    xr.testing.assert_identical(sent, ns.cluster.open_map(finished))
 
 
 def _flip(path):
@@ -364,13 +380,18 @@ def test_faults_in_an_executor_come_out(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["zarr.json", "regime/zarr.json", "omega/zarr.json"])
-@pytest.mark.parametrize("damage", ["missing", "empty", "zeros"])
+@pytest.mark.parametrize("damage", ["missing", "empty", "zeros", "braces"])
 def test_damaged_descriptions_are_told_by_name(tmp_path, name, damage):
     store = plan(tmp_path)
     path = store / name
-    path.unlink() if damage == "missing" else path.write_bytes(b"\0" * 9 * (damage == "zeros"))
-    with pytest.raises(OptionError, match=f"{name} in it is damaged or missing"):
-        ns.cluster.open_map(store)
+    damaged = {"empty": b"", "zeros": b"\0" * 9, "braces": b"{}"}
+    path.write_bytes(damaged[damage]) if damage in damaged else path.unlink()
+    verbs = [ns.cluster.open_map]
+    if name == "zarr.json":  # which all of them look at
+        verbs += [ns.cluster.progress, ns.cluster.work]
+    for verb in verbs:
+        with pytest.raises(OptionError, match=f"{name} in it is damaged or missing"):
+            verb(store)
 
 
 def test_stores_of_calls_and_files_in_the_path_are_told(tmp_path):

@@ -14,6 +14,7 @@ from nonsmooth.cluster.task_progress import (
     task_progress,
 )
 from nonsmooth.cluster.tile_store import TileStore, told_of_damage
+from nonsmooth.cluster.whole_chunks import checked_store
 from nonsmooth.runs.claims import CLAIMS, is_recent
 from nonsmooth.version import __version__
 
@@ -144,6 +145,8 @@ def open_map(store: str | Path) -> xr.Dataset:
     ------
     OptionError
         Where the folder is no such store, or of another format.
+    RunError
+        When values are used whose file is damaged; `work` computes its tile again.
 
     See Also
     --------
@@ -174,7 +177,7 @@ def open_map(store: str | Path) -> xr.Dataset:
         opened.check(name)
     with told_of_damage(opened.folder, "zarr.json"):
         data = xr.open_dataset(
-            opened.folder,
+            checked_store(opened.folder),
             engine="zarr",
             consolidated=False,
             chunks=None,

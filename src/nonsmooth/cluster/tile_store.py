@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from nonsmooth.cluster.whole_chunks import is_whole
 from nonsmooth.errors import OptionError, quote
 from nonsmooth.files import replacing
 from nonsmooth.runs.claims import make_claim_folders
@@ -42,7 +43,6 @@ _FAILURES = "tiles/failures"
 _PLAN, _SECONDS = "tiles", "tiles/seconds"
 _METADATA = "zarr.json"
 _WORD = 64  # bytes
-_DIGEST = 4  # bytes of a checksum, behind what it is of
 
 
 class Tile(NamedTuple):
@@ -100,6 +100,8 @@ class TileStore:
                 f" {__version__} reads {FORMAT}; use nonsmooth {plan.get('version')}, which made"
                 " it, or plan a new store"
             )
+        with told_of_damage(folder, _METADATA):
+            _check_root(folder)
         return cls(folder, plan)
 
     def check_version(self) -> None:
@@ -162,8 +164,6 @@ class TileStore:
 
     def damaged(self, tile: Tile) -> str:
         """What is wrong with the chunks of a tile that is done, "" where nothing is."""
-        import google_crc32c
-
         for name in (*self._variables, _SECONDS):
             try:
                 content = self._chunk(name, tile).read_bytes()
@@ -171,8 +171,7 @@ class TileStore:
                 return f"{name} is missing"
             except OSError as fault:
                 return f"{name} cannot be read: {fault.strerror}"
-            expected = int.from_bytes(content[-_DIGEST:], "little")
-            if len(content) <= _DIGEST or google_crc32c.value(content[:-_DIGEST]) != expected:
+            if not is_whole(content):
                 return f"the checksum of {name} is wrong"
         return ""
 
@@ -379,6 +378,13 @@ def _read_plan(folder: Path) -> dict[str, Any] | None:
             " to read it"
         ) from fault
     return plan if isinstance(plan, dict) else None
+
+
+def _check_root(folder: Path) -> None:
+    """Raise a `ValueError` where the description of the whole map is none of a group."""
+    root = json.loads((folder / _METADATA).read_text(encoding="utf-8"))
+    if not isinstance(root, dict) or root.get("node_type") != "group" or "attributes" not in root:
+        raise ValueError("it does not describe a group")
 
 
 def _folder(path: Any) -> Path:
