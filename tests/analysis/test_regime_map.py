@@ -176,8 +176,8 @@ def test_an_interruption_keeps_what_is_done(monkeypatch):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"over": {"w": [1.0]}}, "two different parameters"),
-        ({"over": {"w": [1.0], "F": [1.0], "level": [1.0]}}, "3 given"),
+        ({"over": {"w": [1.0]}}, "over: it names 1; give two different parameters"),
+        ({"over": {"w": [1.0], "F": [1.0], "level": [1.0]}}, "over: it names 3; give two"),
         ({"over": [("w", [1.0]), ("w", [2.0])]}, "two different parameters"),
         ({"over": {"w": [1.0], "q": [1.0]}}, "unknown parameter 'q'"),
         ({"over": {"w": [1.0], "F": []}}, "non-empty"),

@@ -100,6 +100,9 @@ MISUSES = {
     "explain below/": "the file 'below' cannot be read: Is a directory",
     "simulate ball": "unknown model 'ball' (known: belt_oscillator, bouncing_ball,",
     "explain note": "; for the file of that name write ./not",
+    "simulate record.csv": "is a file, whose name does not end in .toml, and no model; where",
+    "simulate ball.toml --initial x=1,,v=2": "--initial: 'x=1,,v=2' has a comma too many",
+    "simulate ball.toml --initial x=1,": "--initial: 'x=1,' has a comma too many",
     "explain nothing": "a file of your own ends in .toml",
     "simulate ball.toml --periods 5": "--periods needs a system with a period",
     "simulate ball.toml R=1 --t-end 1": "ball.toml: unknown parameter 'R' (known: g, r)",
@@ -115,6 +118,7 @@ MISUSES = {
 @pytest.mark.parametrize("line", MISUSES)
 def test_misuse_is_told(call, folder, line):
     (folder / "note").write_text(BALL)
+    (folder / "record.csv").write_text("t,x\n0,1\n")
     (folder / "wrong.toml").write_text(BALL.replace("g = 2", "g = true"))
     (folder / "syntax.toml").write_text("a = 1\nb = c\n")
     result = call(*line.split(" "))

@@ -103,7 +103,7 @@ def test_toml(call, friction, tmp_path, width, text):
         ("FILE --epsilons 0.1", 2, "two or more different positive numbers"),
         ("FILE --epsilons 0.1,wide", 2, "uses 'wide'; give a number"),
         ("FILE --epsilons 0.1,-1", 2, "positive numbers"),
-        ("FILE --epsilons ,", 2, "--epsilons: give widths such as 0.1,0.01"),
+        ("FILE --epsilons ,", 2, "--epsilons: ',' has a comma too many"),
         ("FILE --epsilons 0.1,0.01 --toml", 2, "is not one width"),
         ("FILE --epsilons mu --toml", 2, "mu"),
         ("FILE --epsilons eps --toml --plot a.png", 2, "leave out the files"),

@@ -133,6 +133,11 @@ def need_period(system: System, cure: str) -> None:
 
 
 def _unknown_model(model: str, known: Iterable[str]) -> str:
+    if Path(model).suffix and Path(model).is_file():
+        return (
+            f"{model!r} is a file, whose name does not end in .toml, and no model; where it holds"
+            f" a system in TOML, write .{os.sep}{model}"
+        )
     sentence = unknown_name("model", model, known)
     for file in (f"{model}.toml", model):
         if Path(file).is_file():
@@ -197,9 +202,14 @@ def _check_range(text: str, where: str) -> None:
         raise OptionError(f"{where} = {text} is beyond the range of numbers, about 1.8e308")
 
 
-def names(text: str | None) -> list[str]:
-    """Names separated by commas."""
-    return [part.strip() for part in (text or "").split(",") if part.strip()]
+def names(text: str | None, option: str) -> list[str]:
+    """Names separated by commas; none of no text."""
+    parts = [part.strip() for part in (text or "").split(",")]
+    if parts == [""]:
+        return []
+    if "" in parts:
+        raise OptionError(f"{option}: {text!r} has a comma too many")
+    return parts
 
 
 def whole_names(parts: Sequence[str], known: Iterable[str]) -> list[str]:
@@ -236,14 +246,14 @@ def whole(text: str, option: str) -> int:
 def initial_state(text: str, option: str) -> dict[str, float]:
     """Initial state of a text such as ``x=0.1,v=0``."""
     apart = "put commas between the states, as in x=0.1,v=0"
-    return constants(settings(names(text), option, "x=0.1,v=0", apart), option)
+    return constants(settings(names(text, option), option, "x=0.1,v=0", apart), option)
 
 
 def widths(text: str, option: str) -> list[float] | str:
     """Widths, which may be expressions; or the name of a parameter."""
     from nonsmooth.system.text.grammar import is_name
 
-    parts = names(text)
+    parts = names(text, option)
     if not parts:
         raise OptionError(f"{option}: give widths such as 0.1,0.01,0.001")
     if len(parts) == 1 and is_name(parts[0]):
@@ -253,7 +263,7 @@ def widths(text: str, option: str) -> list[float] | str:
 
 def by_column(text: str, option: str) -> str | dict[str, str]:
     """A text for all columns, or one for each, such as ``x=mm,y=g``."""
-    return settings(names(text), option) if "=" in text else text
+    return settings(names(text, option), option) if "=" in text else text
 
 
 def numbers_by_column(text: str, option: str) -> float | dict[str, float]:
@@ -264,7 +274,7 @@ def numbers_by_column(text: str, option: str) -> float | dict[str, float]:
 
 def number_list(text: str, option: str) -> tuple[float, ...]:
     """Numbers separated by commas."""
-    return tuple(number(part, option) for part in names(text))
+    return tuple(number(part, option) for part in names(text, option))
 
 
 def number_or_limits(text: str, option: str) -> float | tuple[float, float]:
@@ -276,7 +286,7 @@ def number_or_limits(text: str, option: str) -> float | tuple[float, float]:
 
 def time_range(text: str, option: str) -> tuple[float, float]:
     """Two times separated by a comma."""
-    parts = names(text)
+    parts = names(text, option)
     if len(parts) != 2:
         raise OptionError(f"{option}: {text!r} is not two times, such as 800,1200")
     times = constants(dict(zip(("begin", "end"), parts, strict=True)), option)

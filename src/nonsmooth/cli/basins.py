@@ -71,7 +71,7 @@ def coordinates_of(task: Task) -> list[str]:
     text = task["draw"]
     if text is None:
         return []
-    if len(names(text)) != 2:
+    if len(names(text, "--draw")) != 2:
         raise OptionError(f"--draw: {text!r} is not two states, such as x,v")
     return chosen(text, task.system.states, kind="state")
 

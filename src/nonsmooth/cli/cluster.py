@@ -72,7 +72,7 @@ def _tiles(task: Task) -> list[int] | None:
         raise OptionError("--part: --tiles is given too; give one of them")
     if listed is not None:
         try:
-            return [whole(each, "--tiles") for each in names(listed)]
+            return [whole(each, "--tiles") for each in names(listed, "--tiles")]
         except (ValueError, OverflowError, NonsmoothError):
             raise OptionError(
                 f"--tiles: {listed!r} is no list of whole numbers, such as 0,5"

@@ -191,7 +191,7 @@ MACHINES = {
                 " value while there is one; an end may be left out, as in x=5: for 5 and more. You"
                 " may give it several times.", "NAME=A:B", multiple=True),
             Own("indicators", "Indicators that count, such as x_harmonic_2; all by default.",
-                "NAME[,NAME...]", convert=lambda text, _: names(text)),
+                "NAME[,NAME...]", convert=names),
             _ACCEPT,
         ),
         arguments="HEALTHY...",

@@ -209,7 +209,7 @@ def _shown(result: xr.Dataset, text: str | None, fewest: int, most: int) -> list
     """Variables to draw: by default the first displacement, with its velocity but in a diagram."""
     known = [str(n) for n, v in result.data_vars.items() if {"point", "time"} & set(v.dims)]
     velocity = [n for n in known if result[n].attrs.get("derivative_of") == known[0]]
-    found = names(text) if text is not None else [known[0], *velocity][:most]
+    found = names(text, "--draw") if text is not None else [known[0], *velocity][:most]
     if not fewest <= len(found) <= most:
         count = most if fewest == most else f"{fewest} or {most}"
         raise OptionError(f"--draw: {text!r} must name {count} of {', '.join(known)}")

@@ -69,17 +69,13 @@ def _words(text: str, _: str) -> list[str]:
     return text.replace(",", " ").split()
 
 
-def _names(text: str, _: str) -> list[str]:
-    return names(text)
-
-
 def _column(text: str, _: str) -> str | int:
     return int(text) if text.isdecimal() else text
 
 
 def _labels(text: str, option: str) -> tuple[int, int]:
     try:
-        first, second = (whole(part, option) for part in names(text))
+        first, second = (whole(part, option) for part in names(text, option))
     except (ValueError, OverflowError, NonsmoothError):
         raise OptionError(f"{option}: {text!r} is not two labels, such as 1,2") from None
     return first, second
@@ -137,9 +133,9 @@ FORMS = {
         multiple=True,
     ),
     "mode": Form("MODE", text="Mode to start in, where several would fit."),
-    "variable": Form("x[,y]", _names),
-    "contact": Form("MODE[,MODE...]", _names),
-    "of": Form("NAME[,NAME...]", _names),
+    "variable": Form("x[,y]", names),
+    "contact": Form("MODE[,MODE...]", names),
+    "of": Form("NAME[,NAME...]", names),
     "at": Form("EVENT"),
     "window": Form("NAME", text="Window against leakage, such as hann; boxcar is none."),
     "measured.Channel.units": Form(
@@ -158,10 +154,10 @@ FORMS = {
     "posterior.draws": Form("N", text="Draw the posterior too, with so many steps of each walker."),
     "mains": Form("50,60", number_list),
     "harmonics": Form("1,2", number_list),
-    "leave_out": Form("KIND[,KIND...]", _names),
+    "leave_out": Form("KIND[,KIND...]", names),
     "time_range": Form("A,B", time_range),
     "shift": Form("NUMBER or A:B", number_or_limits),
-    "private": Form("NAME[,NAME...]", _names),
+    "private": Form("NAME[,NAME...]", names),
     "delimiter": Form("SIGN"),
     "epsilons": Form(
         "0.1,0.01",

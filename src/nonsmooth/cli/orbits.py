@@ -285,7 +285,7 @@ def manifold(task: Task) -> None:
     import nonsmooth as ns
 
     system = task.system
-    if task["draw"] and len(names(task["draw"])) != 2:
+    if task["draw"] and len(names(task["draw"], "--draw")) != 2:
         raise OptionError(f"--draw: {task['draw']!r} is not two states, such as x,v")
     drawn = chosen(task["draw"] or "", system.states, "--draw", kind="state")
     saddle = ns.find_orbit(system, **task.options("find_orbit"))

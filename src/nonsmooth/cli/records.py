@@ -34,7 +34,7 @@ _CALIBRATION: dict[str, Any] = {"sensitivity": None, "offset": 0.0, "units": ""}
 
 def columns_of(text: str) -> dict[str, str]:
     """Names with their columns; a name alone is that of its column."""
-    parts = [part if "=" in part else f"{part}={part}" for part in names(text)]
+    parts = [part if "=" in part else f"{part}={part}" for part in names(text, "--columns")]
     return settings(parts, "--columns")
 
 

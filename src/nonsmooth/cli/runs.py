@@ -349,7 +349,7 @@ def _exponents_report(result: xr.Dataset) -> Report:
 def spectrum(task: Task) -> None:
     """``nonsmooth spectrum``."""
     system = task.system
-    variables = names(task["variable"]) or [first_state(system)]
+    variables = names(task["variable"], "--variable") or [first_state(system)]
     known = [*system.states, *system.outputs]
     chosen(",".join(variables), known, "--variable", definitions=system.definitions)
     if len(variables) > 2 or len(set(variables)) < len(variables):

@@ -234,7 +234,7 @@ def waterfall(task: Task) -> None:
     system = task.system
     need_period(system, _FORCED)
     parameter, values = _parameter_range(task)
-    variables = names(task["variable"]) or first_state(system)
+    variables = names(task["variable"], "--variable") or first_state(system)
     options = task.options("waterfall", "variable")
     result = compute(system, parameter, values, variables, **options)
 

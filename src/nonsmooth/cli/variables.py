@@ -22,7 +22,7 @@ def chosen(
     definitions: Container[str] = (),
 ) -> list[str]:
     """Names of a text, each of which must be known; ``definitions`` are not, but could be."""
-    found = names(text)
+    found = names(text, option)
     for name in found:
         if name in known:
             continue
@@ -54,7 +54,7 @@ def pair(system: System, text: str | None, option: str = "--draw", *more: str) -
     states = stay if len(stay) > 1 else system.states
     if text is None:
         return (states[0], states[1]) if len(states) > 1 else ("time", states[0])
-    if len(names(text)) != 2:
+    if len(names(text, option)) != 2:
         raise OptionError(f"{option}: {text!r} is not two variables, such as x,v")
     known = [*system.states, *system.outputs, *more]
     first, second = chosen(text, known, option, definitions=system.definitions)

@@ -255,6 +255,9 @@ def test_checks_hold_for_taylor_modes():
     refused("'-1' depends on no state", modes={"m": Mode(flow, exits=[Exit("-1", to="stop")])})
     refused("is inf for the parameters", parameters={"e": 0}, modes={
         "m": Mode({"x": "v", "v": "tanh(x/e)"})})  # fmt: skip
+    refused("of 'v' in mode 'm': a coefficient is inf; numbers go up to about 1.8e308",
+            modes={"m": Mode({"x": "v", "v": "1e999*x"})})  # fmt: skip
+    refused("1/0 is inf; write a finite number", modes={"m": Mode({"x": "v", "v": "x*(1/0)"})})
     refused("not a period of the equations", period="1",
             modes={"m": Mode({"x": "v", "v": "x*cos(t)"})})  # fmt: skip
     System(states=["x", "v"], period="2*pi",

@@ -134,9 +134,9 @@ def _check_corners(
 def _check_grid(system: System, over: Any) -> tuple[tuple[str, str], tuple[Floats, Floats]]:
     """Names and values of the two parameters."""
     if not isinstance(over, Mapping) or len(over) != 2:
-        given = f"{len(over)} given" if isinstance(over, Mapping) else f"{quote(over)}"
+        what = f": it names {len(over)}" if isinstance(over, Mapping) else f" = {quote(over)}"
         raise OptionError(
-            f"over = {given}: give two different parameters and their values, such as"
+            f"over{what}; give two different parameters and their values, such as"
             ' {"omega": np.linspace(0.5, 1, 50), "zeta": np.linspace(0.01, 0.1, 40)}'
         )
     values = []

@@ -16,10 +16,10 @@ from nonsmooth.system.data import SystemData
 from nonsmooth.system.equations.equation import Equation
 from nonsmooth.system.parts import Text
 from nonsmooth.system.text.evaluate import constant_value
-from nonsmooth.system.text.expressions import names_in, to_text
+from nonsmooth.system.text.expressions import Expression, names_in, to_text
 from nonsmooth.system.text.grammar import parse
 
-__all__ = ["EvaluatedSystem", "parameter_values", "static_value"]
+__all__ = ["EvaluatedSystem", "not_finite", "parameter_values", "static_value"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -157,13 +157,24 @@ def parameter_values(parameters: Mapping[str, Text]) -> dict[str, float]:
     return values
 
 
+def not_finite(where: str, coefficient: Expression, value: float) -> str:
+    """Say that a coefficient is infinite or not defined, and why."""
+    text, value = to_text(coefficient), float(value)
+    if text == str(value):  # such as 1e999
+        return f"{where}: a coefficient is {value}; numbers go up to about 1.8e308"
+    if names_in(coefficient):
+        return (
+            f"{where}: {text} is {value} for the parameters given; change them, or forbid such"
+            " values in require="
+        )
+    return f"{where}: {text} is {value}; write a finite number"
+
+
 def static_value(form: LinearForm, values: Mapping[str, float], where: str) -> float:
     """Value of a form that must depend on parameters only."""
     if not form.is_constant:
         raise ModelError(f"{where}: states and time cannot appear here, only parameters")
     value = constant_value(form.constant_part, values)
     if not math.isfinite(value):
-        raise ModelError(
-            f"{where}: {to_text(form.constant_part)} is {value} for the parameters given"
-        )
+        raise ModelError(not_finite(where, form.constant_part, value))
     return value

@@ -19,7 +19,7 @@ from nonsmooth.engine.tables import FREE, RESTING
 from nonsmooth.errors import ModelError, unknown_name
 from nonsmooth.system.compile.dependence import where_it_stands
 from nonsmooth.system.compile.structure import SystemStructure
-from nonsmooth.system.model.evaluated import EvaluatedSystem
+from nonsmooth.system.model.evaluated import EvaluatedSystem, not_finite
 from nonsmooth.system.parts import Text
 from nonsmooth.system.text.evaluate import constant_value, evaluate
 from nonsmooth.system.text.expressions import Expression, Name, names_in, to_text
@@ -115,10 +115,7 @@ def _check_finite(system: EvaluatedSystem) -> None:
         return
     for (where, coefficient), value in zip(structure.coefficients, values, strict=True):
         if not math.isfinite(value):
-            raise ModelError(
-                f"{where}: {to_text(coefficient)} is {float(value)} for the parameters given;"
-                " change them, or forbid such values in require="
-            )
+            raise ModelError(not_finite(where, coefficient, value))
 
 
 def _check_holds(system: EvaluatedSystem) -> None:
