@@ -168,6 +168,62 @@ def test_a_wandering_speed_leaves_lines_sharp():
     np.testing.assert_allclose(at_marks, marks[-at_marks.size :], atol=1e-12)
 
 
+def run_up(rate=4000.0, seconds=4.0):
+    """From 10 to 30 Hz, with an order 1 and an order 2.5; marks and speeds in closed form."""
+    t = np.arange(int(rate * seconds)) / rate
+    gain = 20.0 / seconds  # Hz/s
+    angle = 2 * np.pi * (10.0 * t + 0.5 * gain * t**2)
+    turns = np.arange(1, int(angle[-1] / 2 / np.pi))
+    marks = (-10.0 + np.sqrt(100.0 + 2.0 * gain * turns)) / gain
+    x = np.cos(angle) + 0.5 * np.cos(2.5 * angle)
+    return ns.measured.from_arrays({"x": x}, times=t, marks=marks, units="mm"), marks
+
+
+def test_blocks_of_a_measured_run_up_are_where_they_were():
+    """Each has the frequency, the speed and the time of its own revolutions."""
+    record, marks = run_up()
+    even, count = ns.measured.synchronous(record), 8
+    found = ns.order_tracking(even, "x", periods=count)
+    assert found.attrs["parameter"] == "measured_time"
+    ends = marks[: marks.size - (marks.size - 1) % count : count]
+    np.testing.assert_allclose(found["time"], (ends[1:] + ends[:-1]) / 2, rtol=1e-12)
+    first = found["frequency"].sel(harmonic=1.0)
+    np.testing.assert_allclose(first, count / np.diff(ends), rtol=1e-9)
+    assert first[0] < 12.5 and first[-1] > 27.0 and first.attrs["units"] == "Hz"
+    np.testing.assert_allclose(found["amplitude"].sel(harmonic=[1.0, 2.5])[:, 0], 1.0, atol=0.01)
+    np.testing.assert_allclose(found["amplitude"].sel(harmonic=[1.0, 2.5])[:, 1], 0.5, atol=0.01)
+
+    over = ns.order_tracking(even, "x", over="speed", periods=count)
+    speeds = 2 * np.pi / np.diff(marks)
+    # a block begins one sample after its mark and ends at the next one, of the next revolution
+    shift = (speeds[count] - speeds[0]) / (64 * count)
+    assert over["parameter"][0] == pytest.approx(speeds[:count].mean() + shift, rel=1e-12)
+    assert over["parameter"].attrs["units"] == "rad/s"
+    same = ns.order_tracking(even, "x", over="time", periods=count)
+    xr.testing.assert_identical(same, found)
+    with pytest.raises(OptionError, match=r"unknown coordinate 'w' \(known: measured_time, speed"):
+        ns.order_tracking(even, "x", over="w")
+
+
+def test_orders_of_a_whole_record_have_the_frequency_of_the_mean_speed():
+    record, _ = run_up()
+    found = ns.power_spectrum(ns.measured.synchronous(record), "x")
+    assert found["frequency"].attrs["long_name"] == "frequency at the mean speed"
+    ax = ns.plot.spectrum(found)
+    assert ax.get_xlabel() == "frequency at the mean speed [Hz]"
+
+
+def test_periods_of_a_measured_run_up_begin_when_they_did():
+    record, marks = run_up()
+    found = ns.period_statistics(ns.measured.synchronous(record), "x")
+    np.testing.assert_allclose(found["begin"], marks[: found.sizes["period"]], rtol=1e-12)
+    np.testing.assert_allclose(
+        found["speed"], 2 * np.pi / np.diff(marks)[: found.sizes["period"]], rtol=1e-9
+    )
+    ax = ns.plot.statistics(found, "x_amplitude", over="speed")
+    assert ax.get_xlabel() == "speed [rad/s]"
+
+
 def test_analyses_take_measured_points():
     """A circle map with an irrational turn per mark is regular; its section is a closed curve."""
     w = rigs.SPEED

@@ -12,6 +12,7 @@ from nonsmooth.analysis.spectra.segments import (
 )
 from nonsmooth.analysis.spectra.spectrum_dataset import check_plane, plane_label, spectrum_dataset
 from nonsmooth.analysis.spectra.transforms import lines_of
+from nonsmooth.analysis.statistics.series import is_by_angle
 from nonsmooth.runs.options import whole_number
 
 if TYPE_CHECKING:
@@ -110,4 +111,6 @@ def full_spectrum(
     attrs |= {"variable": x, "second_variable": y, "second_mean": float(second.values.mean())}
     what, unit = plane_label(names, ""), series[0].label.get("units", "")
     time_unit = run["time"].attrs.get("units", "")
-    return spectrum_dataset(lines, first.periods, what, unit, time_unit, attrs)
+    return spectrum_dataset(
+        lines, first.periods, what, unit, time_unit, attrs, by_angle=is_by_angle(run)
+    )

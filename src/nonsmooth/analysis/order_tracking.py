@@ -12,7 +12,7 @@ from nonsmooth.analysis.options import derived_attributes
 from nonsmooth.analysis.spectra.segments import check_run, check_window, record_of
 from nonsmooth.analysis.spectra.spectrum_dataset import Rows, check_plane, waterfall_dataset
 from nonsmooth.analysis.spectra.transforms import lines_of, phases
-from nonsmooth.analysis.statistics.series import slow_names
+from nonsmooth.analysis.statistics.series import clock_name, is_by_angle, slow_names
 from nonsmooth.errors import OptionError, is_known, unknown_name
 from nonsmooth.runs.options import whole_number
 
@@ -38,13 +38,14 @@ def order_tracking(
     Parameters
     ----------
     run : xarray.Dataset
-        Result of `simulate`, with or without slow parameters.
+        Result of `simulate`, with or without slow parameters; or of `measured.synchronous`.
     variable : str or pair of str
         A state or output, of which the spectrum has one side; or two, the coordinates of a motion
         in a plane, with forward and backward whirl apart as in `full_spectrum`.
     over : str, optional
         The slow parameter that tells the blocks apart, or ``"time"``; the only slow parameter, or
-        the time, by default.
+        the time, by default. Of a measured motion ``"time"`` is the measured one, and ``"speed"``
+        is known too.
     periods : int, optional
         Periods in a block; lines are one over them apart.
     window : str, optional
@@ -54,7 +55,8 @@ def order_tracking(
     -------
     xarray.Dataset
         As of `waterfall`. ``parameter`` is the mean of the parameter, or of the time, over the
-        block; ``time`` is that in its middle.
+        block; ``time`` is that in its middle. ``period`` and ``frequency`` are those of the block;
+        of a measured motion, all are by its measured time.
 
     Raises
     ------
@@ -102,7 +104,8 @@ def order_tracking(
         )
     name, values = _told_apart(run, over)
     places = first + length * np.arange(blocks + 1)
-    times = run["time"].values
+    clock = run[clock_name(run)]
+    times = clock.values.astype(float)
     weights = check_window(window, length)
     columns = [one.values[first + 1 : places[-1] + 1].reshape(blocks, length) for one in series]
     whole: Any = columns[0] if len(names) == 1 else columns[0] + 1j * columns[1]
@@ -126,10 +129,10 @@ def order_tracking(
     }
     result = waterfall_dataset(
         rows, names, [one.label for one in series], (("parameter",), middle, label),
-        run["time"].attrs.get("units", ""), attrs,
+        clock.attrs.get("units", ""), attrs,
     )  # fmt: skip
     centre = 0.5 * (times[places[:-1]] + times[places[1:]])
-    return result.assign_coords(time=("parameter", centre, run["time"].attrs))
+    return result.assign_coords(time=("parameter", centre, clock.attrs))
 
 
 def _whole_periods(run: xr.Dataset) -> tuple[int, int]:
@@ -152,9 +155,13 @@ def _whole_periods(run: xr.Dataset) -> tuple[int, int]:
 
 def _told_apart(run: xr.Dataset, over: str | None) -> tuple[str, npt.NDArray[np.float64]]:
     """Name and values over time of what tells the blocks apart."""
-    slow = slow_names(run)
+    slow, clock = slow_names(run), clock_name(run)
     if over is None:
-        over = slow[0] if len(slow) == 1 else "time"
-    if not is_known(over, ("time", *slow)):
-        raise OptionError(f"over: {unknown_name('slow parameter', over, ['time', *slow])}")
+        over = slow[0] if len(slow) == 1 else clock
+    known = [*dict.fromkeys(["time", clock]), *slow]
+    known += ["speed"] if is_by_angle(run) and "speed" in run.coords else []
+    if not is_known(over, known):
+        what = "coordinate" if is_by_angle(run) else "slow parameter"
+        raise OptionError(f"over: {unknown_name(what, over, known)}")
+    over = clock if over == "time" else over
     return over, run[over].values.astype(float)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from nonsmooth.analysis.options import derived_attributes
 from nonsmooth.analysis.spectra.segments import check_run
-from nonsmooth.analysis.statistics.series import slow_names
+from nonsmooth.analysis.statistics.series import clock_name, is_by_angle, slow_names
 from nonsmooth.analysis.sweeps.contacts import visits_of
 from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.runs.options import whole_number
@@ -38,7 +38,7 @@ def period_statistics(
     Parameters
     ----------
     run : xarray.Dataset
-        Result of `simulate`, such as a run-up with a slow parameter.
+        Result of `simulate`, such as a run-up with a slow parameter; or of `measured.synchronous`.
     variables : str or sequence of str, optional
         States and outputs.
     contact : str, optional
@@ -52,8 +52,8 @@ def period_statistics(
         Over ``period``, the whole periods of the run by number, or each so many-th: of each
         variable ``_min``, ``_max`` and ``_amplitude``, half of what lies between; with ``contact``
         also ``contacts``, how many begin per period, and ``contact_share``, the part of the time.
-        ``begin`` is the time at which a period begins; slow parameters have their names, and are
-        means where periods are put together.
+        ``begin`` is the time at which a period begins; slow parameters have their names, and so has
+        the ``speed`` of a measured motion. They are means where periods are put together.
 
     Raises
     ------
@@ -89,10 +89,12 @@ def period_statistics(
         if name not in known:
             raise OptionError(f"variables: {unknown_name('variable', name, known)}")
     frame = _Frame(run, whole_number("periods", periods))
-    time = run["time"].attrs
+    time = run[clock_name(run)].attrs
     found: dict[str, Any] = {}
     for name in slow_names(run):
         found[name] = ("period", frame.constant(run[name].values), run[name].attrs)
+    if is_by_angle(run) and "speed" in run.coords:
+        found["speed"] = ("period", frame.begun(run["speed"].values), run["speed"].attrs)
     for name in names:
         low, high = frame.extremes(name)
         label = run[name].attrs.get("long_name", name)
@@ -146,7 +148,10 @@ class _Frame:
         self._inner = number - first
         self._closed = self._inner - at_begin
         self.begin = np.full(count + 1, np.nan)
-        self._put(self.begin, self._inner, run["time"].values - phase)
+        # of samples even in the angle of a shaft, the phase is no measured time
+        begins = at_begin if is_by_angle(run) else np.ones(phase.size, bool)
+        elapsed = run[clock_name(run)].values - np.where(begins, phase, 0.0)
+        self._put(self.begin, self._inner[begins], elapsed[begins])
 
     def _put(self, target: npt.NDArray[Any], place: Integers, values: npt.NDArray[Any]) -> None:
         within = (place >= 0) & (place < target.size)
@@ -156,6 +161,12 @@ class _Frame:
         """Values of what is constant in each period; at its end it is that before the change."""
         found = np.full(self.numbers.size, np.nan)
         self._put(found, self._closed, values)
+        return self._mean(found)
+
+    def begun(self, values: Floats) -> Floats:
+        """Values of what is constant in each period and changes with its first sample."""
+        found = np.full(self.numbers.size, np.nan)
+        self._put(found, self._inner, values)
         return self._mean(found)
 
     def _mean(self, values: npt.NDArray[Any]) -> Floats:

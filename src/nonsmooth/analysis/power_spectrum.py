@@ -12,6 +12,7 @@ from nonsmooth.analysis.spectra.segments import (
 )
 from nonsmooth.analysis.spectra.spectrum_dataset import spectrum_dataset
 from nonsmooth.analysis.spectra.transforms import lines_of
+from nonsmooth.analysis.statistics.series import is_by_angle
 from nonsmooth.runs.options import whole_number
 
 if TYPE_CHECKING:
@@ -37,7 +38,8 @@ def power_spectrum(
     Parameters
     ----------
     run : xarray.Dataset
-        Result of `simulate` with equidistant samples.
+        Result of `simulate` with equidistant samples, or of `measured.synchronous`, whose lines are
+        orders: their frequencies are those at the mean speed.
     variable : str
         A state or an output. Of a state with drift the mean progression is taken off first.
 
@@ -102,4 +104,6 @@ def power_spectrum(
     label = series.label["long_name"]
     what, unit = label if label == variable else f"the {label}", series.label.get("units", "")
     time_unit = run["time"].attrs.get("units", "")
-    return spectrum_dataset(lines, parts.periods, what, unit, time_unit, attrs)
+    return spectrum_dataset(
+        lines, parts.periods, what, unit, time_unit, attrs, by_angle=is_by_angle(run)
+    )

@@ -12,7 +12,13 @@ from nonsmooth.errors import OptionError
 from nonsmooth.measured.marking import check_marked
 from nonsmooth.measured.quality.masks import masked, masks_at
 from nonsmooth.measured.record import check_record
-from nonsmooth.measured.sections import first_samples, inside, interpolated, revolutions_of
+from nonsmooth.measured.sections import (
+    first_samples,
+    inside,
+    interpolated,
+    revolutions_of,
+    speed_words,
+)
 from nonsmooth.runs.memory import free_memory, size_text
 from nonsmooth.runs.options import whole_number
 
@@ -38,8 +44,9 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     -------
     xarray.Dataset
         Over ``time`` every variable of the record. ``time`` is the angle of the shaft over the
-        mean speed, so the samples are equidistant; ``measured_time`` is the time it was.
-        ``period_number`` and ``phase`` as in a result of `simulate`, attribute ``period``.
+        mean speed, so the samples are equidistant; ``measured_time`` is the time it was, and
+        ``speed`` that of the revolution. ``period_number`` and ``phase`` as in a result of
+        `simulate`, attribute ``period``.
 
     Raises
     ------
@@ -50,6 +57,7 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     See Also
     --------
     nonsmooth.power_spectrum : with harmonics, of this.
+    nonsmooth.order_tracking : the same block by block, of a run-up.
     nonsmooth.zero_one_test : takes one value per revolution of it.
 
     Examples
@@ -69,7 +77,7 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     check_marked(record, "synchronous")
     count = whole_number("samples_per_period", samples_per_period)
     _check_room(record, count)
-    times, number, _ = revolutions_of(record, np.arange(count) / count)
+    times, number, speeds = revolutions_of(record, np.arange(count) / count)
     start, rate = float(record["time"][0]), float(record.attrs["sample_rate"])
     places = (times - start) * rate
     here = inside(places, record.sizes["time"])
@@ -99,6 +107,7 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
                 {"long_name": "angle over the mean speed"} | units,
             ),
             "measured_time": ("time", times[k], {"long_name": "time as measured"} | units),
+            "speed": ("time", speeds[k], speed_words(record)),
             "period_number": ("time", number, {"long_name": "whole revolutions before the sample"}),
             "phase": (
                 "time", part * (period / count), {"long_name": "time since the mark"} | units,

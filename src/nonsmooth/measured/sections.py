@@ -15,7 +15,7 @@ from nonsmooth.measured.quality.masks import masked, masks_at
 from nonsmooth.measured.record import check_record
 from nonsmooth.runs.options import finite_number
 
-__all__ = ["first_samples", "inside", "interpolated", "revolutions_of", "section"]
+__all__ = ["first_samples", "inside", "interpolated", "revolutions_of", "section", "speed_words"]
 
 Floats = npt.NDArray[np.float64]
 

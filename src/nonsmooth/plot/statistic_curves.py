@@ -53,7 +53,8 @@ def statistics(
         Where to draw; new axes of a column's width by default.
     over : str, optional
         What is along the axis: ``"parameter"``; of a run a slow parameter, ``"begin"``, the time,
-        or ``"period"``. By default the parameter, the only slow parameter, or the time.
+        or ``"period"``; of a measured motion also ``"speed"``. By default the parameter, the only
+        slow parameter, or the time.
     label : str, optional
         Text of the legend; along a slow parameter whether it rises or falls by default.
     legend : bool, optional
@@ -135,6 +136,7 @@ def _axis(data: xr.Dataset, dim: str, over: str | None) -> str:
         slow = str(data.attrs.get("slow", "")).split()
         allowed = [*(slow if len(slow) == 1 else []), "begin", "period"]
         allowed += [name for name in slow if name not in allowed]
+        allowed += ["speed"] if "speed" in data and "speed" not in allowed else []
     over = allowed[0] if over is None else over
     if over not in allowed:
         raise OptionError(f"over: {unknown_name('axis', over, allowed)}")

@@ -55,9 +55,17 @@ def spectrum_dataset(
     unit: str,
     time_unit: str,
     attrs: dict[str, Any],
+    *,
+    by_angle: bool = False,
 ) -> xr.Dataset:
-    """Dataset of the spectrum of a record; ``attrs`` has its ``resolution``."""
+    """Dataset of the spectrum of a record; ``attrs`` has its ``resolution``.
+
+    Of samples that are even in the angle of a shaft, lines are orders, and have a frequency at the
+    mean speed only.
+    """
     texts = spectrum_labels(what, unit, time_unit)
+    if by_angle:
+        texts[2]["long_name"] = f"{texts[2]['long_name']} at the mean speed"
     coords: dict[str, Any] = {
         "frequency": ("frequency", lines.number * attrs["resolution"], texts[2])
     }

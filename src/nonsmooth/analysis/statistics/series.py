@@ -14,7 +14,15 @@ from nonsmooth.errors import OptionError, is_known, quote, unknown_name
 from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 
-__all__ = ["Series", "drifts", "series_of", "slow_names", "uniform_step"]
+__all__ = [
+    "Series",
+    "clock_name",
+    "drifts",
+    "is_by_angle",
+    "series_of",
+    "slow_names",
+    "uniform_step",
+]
 
 _SAME = 1e-6  # of a step, between samples that count as equidistant
 _LARGEST = 1e100  # of the numbers of a series
@@ -134,3 +142,16 @@ def slow_names(run: xr.Dataset) -> list[str]:
     """Names of the slow parameters of a run."""
     texts = str(run.attrs.get("slow_values", "")).split()
     return [name for name in (text.partition("=")[0] for text in texts) if name in run]
+
+
+def is_by_angle(run: xr.Dataset) -> bool:
+    """Whether the samples are even in the angle of a shaft, as those of `measured.synchronous`.
+
+    Their ``time`` is the angle over the mean speed.
+    """
+    return "measured_time" in run.coords
+
+
+def clock_name(run: xr.Dataset) -> str:
+    """Name of the coordinate that says when each sample was."""
+    return "measured_time" if is_by_angle(run) else "time"
