@@ -155,3 +155,38 @@ def test_paths_of_two_events_at_one_instant():
     (off,) = shortest_paths(wiring, stick, lead)
     assert joined(wiring, lag, onto_from_lag, off) == up
     assert joined(wiring, lag, up, onto_from_lead) == onto_from_lag
+
+
+def test_an_impact_at_another_wall_is_part_of_every_word():
+    """A ball is thrown from a table to a ceiling, and rebounds on the table until it rides."""
+    thrown = ns.System(
+        states=["y", "v"],
+        parameters={"A": 2.0, "r": 0.5},
+        period="2*pi",
+        definitions={"s": "A*sin(t)", "w": "A*cos(t)"},
+        modes={
+            "flight": ns.Mode(
+                {"y": "v", "v": "-1"},
+                exits=[
+                    ns.Exit("y - s", reset={"v": "-r*v + (1 + r)*w"}, sticks="rides", name="floor"),
+                    ns.Exit("2.2 - y", reset={"v": "-0.3*v"}, name="ceiling"),
+                ],
+            )
+        },
+    )
+    orbit = ns.find_orbit(thrown, {"y": 2.1}, transient=20)
+    assert orbit["leg_exit"].values[:3].tolist() == ["release", "ceiling", "floor"]
+    run = ns.simulate(thrown, orbit, periods=3)
+    rides = run.attrs["period"]
+    diagram = ns.bifurcation_diagram(thrown, "A", [2.0], initial={"y": 2.1}, transient=20, record=4)
+    words = {
+        "orbit": orbit["word"].item(),
+        "run": run.attrs["phase_word"],
+        "part of the run": " ".join(ns.phase_word(run, rides, 2 * rides)),
+        "regime": ns.regime(thrown, {"y": 2.1}, transient=20)["word"].item(),
+        "diagram": diagram["word"].values.ravel()[0],
+        "attractor": ns.attractors(thrown, {"y": (2.0, 2.1), "v": (0, 0.1)}, samples=2)["word"][0],
+    }
+    assert {name: str(getattr(word, "values", word)) for name, word in words.items()} == (
+        dict.fromkeys(words, "rides flight flight rides")
+    )

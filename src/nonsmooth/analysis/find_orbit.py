@@ -71,8 +71,10 @@ def find_orbit(
     xarray.Dataset
         Scalars: the states by name where the orbit is reported, with the coordinate ``time``, so
         that ``simulate(system, orbit, ...)`` runs along it; ``length`` (time of one turn),
-        ``word``, ``residual`` (what the equations leave, as a part of the states), ``admissible``
-        (whether it is a motion: no guard is passed that the word does not name), ``stable``,
+        ``word`` (modes of one turn; flights that end at the same exit, one after the other up to a
+        rest, count once), ``residual`` (what the equations leave, as a part of the states),
+        ``admissible`` (whether it is a motion: no guard is passed that the word does not name),
+        ``stable``,
         ``primitive_parts`` (how often the turn repeats a shorter orbit), ``log_determinant`` of
         the tangent over one turn, and for every drifting state and angle its change per period and
         per unit time, as in ``v_per_period``. ``drift`` over ``drift_state``: the change over the

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from nonsmooth.runs.clock import rounding_of_events
 from nonsmooth.runs.impacts import happened, impacts_of
 from nonsmooth.runs.sweep_runner import Recorded
-from nonsmooth.runs.words import word_of_modes
+from nonsmooth.runs.words import rebounds_of, word_of_modes
 from nonsmooth.system.system import System
 
 __all__ = ["PassedEvents"]
@@ -56,17 +56,20 @@ class PassedEvents:
         """Modes from one sample of each motion on, through some events; "" where not wanted."""
         recorded = self._recorded
         counts = np.bincount(self.motion[rows], minlength=wanted.size)
-        entered = recorded.rows["to_mode"][rows]
+        passed = recorded.rows[rows]
+        entered, rebounds = passed["to_mode"], rebounds_of(passed)
         ends = np.cumsum(counts).tolist()
         return [
-            self._word(np.append(recorded.modes[k, first[k]], entered[a:b])) if wanted[k] else ""
+            self._word(np.append(recorded.modes[k, first[k]], entered[a:b]), rebounds[a:b])
+            if wanted[k]
+            else ""
             for k, (a, b) in enumerate(pairwise([0, *ends]))
         ]
 
-    def _word(self, modes: Integers) -> str:
-        key = modes.tobytes()
+    def _word(self, modes: Integers, rebounds: Integers) -> str:
+        key = modes.tobytes() + rebounds.tobytes()  # of one length for each number of modes
         if key not in self._words:
-            self._words[key] = word_of_modes(self._system, modes)
+            self._words[key] = word_of_modes(self._system, modes, rebounds)
         return self._words[key]
 
     def _since(self, sample: Integers) -> Floats:

@@ -44,6 +44,7 @@ __all__ = [
     "choose_kernels",
     "exits_of_path",
     "fill_set",
+    "first_exits",
     "members",
     "set_up",
 ]
@@ -300,6 +301,11 @@ def exits_of_path(path: int, passes: int) -> tuple[int, ...]:
     mask = (1 << _PATH_BITS) - 1
     count = min(passes, PATH_LENGTH)
     return tuple(((path >> (_PATH_BITS * k)) & mask) - 1 for k in range(count))
+
+
+def first_exits(paths: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """First exit of each path as rows of the event log keep it; -1 of one that passes none."""
+    return (np.asarray(paths, np.int64) & ((1 << _PATH_BITS) - 1)) - 1
 
 
 def bits_of_path(exits: tuple[int, ...]) -> int:

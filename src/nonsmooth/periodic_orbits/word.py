@@ -75,7 +75,7 @@ class Word:
     def text(self, system: System) -> str:
         """Modes by name, joined by blanks; cells of one name in a row count once.
 
-        Rebounds that accumulate count once too: there are infinitely many.
+        Rebounds that end in rest count once too: there are infinitely many, without a first one.
         """
         modes = self.collapsed(system.compiled.program.wiring).modes
         modes = modes if not self.closes_at_event else (*modes, modes[0])

@@ -36,7 +36,7 @@ from nonsmooth.runs.section_search import (
 from nonsmooth.runs.start import Start
 from nonsmooth.runs.stillness import Stillness, looks_along, terms_of_rates
 from nonsmooth.runs.strobe_times import is_driven
-from nonsmooth.runs.words import word_of_modes
+from nonsmooth.runs.words import rebounds_of, word_of_modes
 
 __all__ = ["NEVER_CROSSES", "SectionLanes", "SectionRunner"]
 
@@ -205,11 +205,11 @@ class SectionRunner:
         lanes = self.start(state[None], np.array([SAME - mode]))
         points, rows, _ = self.take(lanes, 0, count)
         passed = rows[: int(points.row[-1])] if points.row.size else rows
-        entered = passed["to_mode"][self.is_event(passed)]
-        if self._at_events and entered.size:  # the event at which the point lies comes first
-            mode, entered = int(entered[0]), entered[1:]
-        modes = np.array([mode, *self.origin[entered]])
-        return word_of_modes(self.chosen.system, modes)
+        passed = passed[self.is_event(passed)]
+        if self._at_events and len(passed):  # the event at which the point lies comes first
+            mode, passed = int(passed["to_mode"][0]), passed[1:]
+        modes = np.array([mode, *self.origin[passed["to_mode"]]])
+        return word_of_modes(self.chosen.system, modes, rebounds_of(passed))
 
     def is_event(self, rows: Rows) -> npt.NDArray[np.bool_]:
         """Which rows of the log are events of the system, not only crossings of the section."""

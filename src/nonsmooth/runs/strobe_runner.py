@@ -14,7 +14,7 @@ from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.lane_runner import LaneRunner, Lanes
 from nonsmooth.runs.runner import Derivatives, NoMode, build_derivatives, run_plan
 from nonsmooth.runs.strobe_times import strobes
-from nonsmooth.runs.words import word_of_modes
+from nonsmooth.runs.words import rebounds_of, word_of_modes
 from nonsmooth.system.system import System
 
 __all__ = ["StrobeLanes", "StrobeRunner"]
@@ -164,7 +164,8 @@ class StrobeRunner:
         numbers, phases = np.array([last.number], np.int64), np.array([last.phase])
         _, _, rows, _ = self._runner.record(lanes, 0, numbers, phases)
         passed = rows[rows["kind"] != EventKind.GRAZE]
-        return word_of_modes(self.system, np.array([mode, *passed["to_mode"]]))
+        modes = np.array([mode, *passed["to_mode"]])
+        return word_of_modes(self.system, modes, rebounds_of(passed))
 
     def _instants(self, first: int, count: int) -> list[Instant]:
         """Instants of some iterates; the start is iterate 0."""

@@ -1,7 +1,9 @@
 """Phase words: the modes that a run visits, in order.
 
-Modes of zero duration, passed within one instant, are no part of a word. Rebounds that accumulate
-count once: how many of infinitely many are followed says nothing of the motion.
+Modes of zero duration, passed within one instant, are no part of a word. Rebounds that end in rest
+count once: how many of infinitely many are followed says nothing of the motion. They have no first
+one, so that all impacts at the same exit count, one after the other up to the rest, also those that
+are far apart; an event of another sort between them ends the row.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.engine.status import EventKind
-from nonsmooth.engine.tables import RESTING
+from nonsmooth.engine.tables import first_exits
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.clock import rounding_of_events, rounding_of_logged
 from nonsmooth.runs.options import finite_number
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
     from nonsmooth.system.system import System
 
 __all__ = [
-    "last_period_word", "names_of_modes", "phase_word", "without_rebounds", "word_of_modes",
+    "last_period_word", "names_of_modes", "phase_word", "rebounds_of", "word_of_modes",
 ]  # fmt: skip
 
 _LONGEST = 100  # modes in the attribute of a dataset; the function below has no limit
@@ -36,7 +38,9 @@ def phase_word(
 ) -> tuple[str, ...]:
     """Modes that a run visits between two times, in order.
 
-    The flights between rebounds that end in rest count as one: there are infinitely many.
+    The flights between rebounds that end in rest count as one: there are infinitely many, without
+    a first one, so that all impacts at the same exit are meant, one after the other up to the rest.
+    Rebounds whose rest comes after ``stop`` count one by one.
 
     Parameters
     ----------
@@ -82,48 +86,83 @@ def phase_word(
     times, entered = run["event_time"].values[keep], run["event_to"].values[keep]
     rounding = rounding_of_logged(run)[keep]
     within = _between(times, rounding, low, high)
+    exits = [path.split(">") for path in run["event_path"].values[keep][within].astype(str)]
+    _, first = np.unique([path[0] for path in exits], return_inverse=True)
+    alone = np.array([len(path) == 1 for path in exits], bool)
     rests = kinds[keep][within] == EventKind.CHATTER.word
-    modes = without_rebounds(entered[within].astype(int), rests, turn=False)
+    rebounds = _rebounds(first.ravel(), alone, rests)
+    modes = _without_rebounds(entered[within].astype(int), rebounds, turn=False)
     return tuple(names_of_modes(names, modes))
 
 
 def last_period_word(system: System, outcome: Outcome) -> str:
     """Word of the last period of a run, of the whole run where there is no period."""
     low = -outcome.tables.window if system.period_value is not None else -np.inf
-    times, rounding, entered = _latest(outcome, low)
-    modes = entered[_between(times, rounding, low, 0.0)].astype(int)
+    times, rounding, rows = _latest(outcome, low)
+    rows = rows[_between(times, rounding, low, 0.0)]
+    modes = rows["to_mode"].astype(int)
     if modes.size == 0:  # no event since the run went on from an earlier one
         modes = np.array([outcome.anchor.mode])
-    return word_of_modes(system, modes)
+    return word_of_modes(system, modes, rebounds_of(rows[1:]))
 
 
-def word_of_modes(system: System, modes: npt.NDArray[np.int64]) -> str:
-    """Word of modes entered one after the other; the end of a long one."""
-    rests = system.compiled.program.wiring.modes["kind"][modes] == RESTING
-    modes = without_rebounds(modes, rests, turn=True)
+def word_of_modes(
+    system: System, modes: npt.NDArray[np.int64], rebounds: npt.NDArray[np.int64]
+) -> str:
+    """Word of modes entered one after the other; the end of a long one.
+
+    rebounds: of the events between them, as `rebounds_of` has them
+    """
+    modes = _without_rebounds(modes, np.append(0, rebounds), turn=True)
     text = " ".join(names_of_modes(system.mode_names, modes[-_LONGEST:]))
     return ("... " if modes.size > _LONGEST else "") + text
 
 
-def without_rebounds(
-    modes: npt.NDArray[np.int64], rests: npt.NDArray[np.bool_], *, turn: bool
-) -> npt.NDArray[np.int64]:
-    """Modes in which rebounds that accumulate count once: there are infinitely many.
+def rebounds_of(rows: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
+    """What each row of the log says of rebounds, in one number.
 
-    ``rests``: which modes they end in. A ``turn`` that begins between them ends between them too.
+    Where one exit alone is passed, its number from 1 on; where rebounds end in rest, that of their
+    exit with the other sign; 0 otherwise.
+    """
+    rests = rows["kind"] == EventKind.CHATTER
+    return _rebounds(first_exits(rows["path"]), rows["passes"] == 1, rests)
+
+
+def _rebounds(
+    exits: npt.NDArray[np.int64], alone: npt.NDArray[np.bool_], rests: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.int64]:
+    found = np.where(rests, -1 - exits, np.where(alone, 1 + exits, 0))
+    return found.astype(np.int64)
+
+
+def _without_rebounds(
+    modes: npt.NDArray[np.int64], rebounds: npt.NDArray[np.int64], *, turn: bool
+) -> npt.NDArray[np.int64]:
+    """Modes in which rebounds that end in rest count once: there are infinitely many.
+
+    ``rebounds`` at which the modes are entered. A ``turn`` that begins between rebounds ends
+    between them too.
     """
     keep = np.ones(modes.size, bool)
-    ends = np.flatnonzero(rests)
-    for i in ends:
-        _drop_repeated(modes, keep, int(i) - 1)
-    if turn and ends.size and ends[0] > 0 and np.all(modes[: ends[0]] == modes[-1]):
-        _drop_repeated(modes, keep, modes.size - 1)
+    ends = np.flatnonzero(rebounds < 0)
+    for i in map(int, ends):
+        _drop_repeated(modes, rebounds == -rebounds[i], keep, i - 1)
+    if turn and ends.size and ends[0] > 0:
+        first = int(ends[0])
+        same = rebounds == -rebounds[first]
+        if np.all(modes[:first] == modes[-1]) and same[1:first].all():
+            _drop_repeated(modes, same, keep, modes.size - 1)
     return modes[keep]
 
 
-def _drop_repeated(modes: npt.NDArray[np.int64], keep: npt.NDArray[np.bool_], last: int) -> None:
-    """Of equal modes in a row up to one of them, keep the first."""
-    while last > 0 and modes[last - 1] == modes[last]:
+def _drop_repeated(
+    modes: npt.NDArray[np.int64],
+    same: npt.NDArray[np.bool_],
+    keep: npt.NDArray[np.bool_],
+    last: int,
+) -> None:
+    """Of equal modes in a row up to one of them, each entered by the same exit, keep the first."""
+    while last > 0 and modes[last - 1] == modes[last] and same[last]:
         keep[last] = False
         last -= 1
 
@@ -138,7 +177,7 @@ def names_of_modes(names: Sequence[str], modes: npt.NDArray[np.int64]) -> Iterat
 
 
 def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times of the last events, relative to the end, their rounding, and modes entered.
+    """Times of the last events, relative to the end, their rounding, and their rows.
 
     All since ``low``, or enough for a word: a run may be long, and its last period is short,
     so the log is read from its end.
@@ -157,7 +196,7 @@ def _latest(outcome: Outcome, low: float) -> tuple[np.ndarray, np.ndarray, np.nd
         enough = before > _LONGEST + 1 or (before > 0 and times[0] <= low)
         if enough or count >= len(outcome.events):
             rounding = rounding_of_events(rows["number"], phase, window)
-            return times, rounding[lasting], rows["to_mode"][lasting]
+            return times, rounding[lasting], rows[lasting]
         count *= 4
 
 

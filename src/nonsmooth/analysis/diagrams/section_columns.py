@@ -26,7 +26,7 @@ from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.section_runner import SectionLanes, SectionRunner
 from nonsmooth.runs.section_search import SectionPoints
 from nonsmooth.runs.start import resolve_start
-from nonsmooth.runs.words import word_of_modes
+from nonsmooth.runs.words import rebounds_of, word_of_modes
 
 __all__ = ["run_section_chain"]
 
@@ -157,6 +157,6 @@ def _word(runner: SectionRunner, points: SectionPoints, rows: Rows, period: int)
     """Modes of the last primitive period, in order."""
     first = int(points.row[-1 - period])
     between = slice(first + 1, int(points.row[-1]))
-    entered = rows["to_mode"][between][runner.is_event(rows)[between]]
-    modes = [int(points.modes[1, -1 - period]), *runner.origin[entered]]
-    return word_of_modes(runner.chosen.system, np.array(modes))
+    passed = rows[between][runner.is_event(rows)[between]]
+    modes = [int(points.modes[1, -1 - period]), *runner.origin[passed["to_mode"]]]
+    return word_of_modes(runner.chosen.system, np.array(modes), rebounds_of(passed))

@@ -32,7 +32,7 @@ from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import NO_DERIVATIVES, Derivatives
 from nonsmooth.runs.section_search import AT_ONCE, Crossings, NamedEvents
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
-from nonsmooth.runs.words import word_of_modes
+from nonsmooth.runs.words import rebounds_of, word_of_modes
 
 __all__ = ["Images", "Imaging", "imaging_of", "settle"]
 
@@ -294,7 +294,7 @@ class Imaging(ABC):
             ">".join(name for name in labels.path(*map(int, kind)).split(">") if name in own)
             for kind in kinds
         ]
-        codes = np.column_stack([which.ravel(), entered]).astype(np.int64)
+        codes = np.column_stack([which.ravel(), entered, rebounds_of(rows)]).astype(np.int64)
         cuts = np.searchsorted(lanes, np.arange(mode.size + 1))
         known: dict[tuple[int, bytes], tuple[str, str]] = {}
         words, exits = [], []
@@ -303,8 +303,9 @@ class Imaging(ABC):
             part = codes[cuts[i] : cuts[i + 1]]
             key = (int(begin), part.tobytes())
             if key not in known:
-                visited = [int(begin), *(m for m in part[:, 1] if m >= 0)]
-                word = word_of_modes(system, np.array(visited))
+                passed = part[part[:, 1] >= 0]
+                visited = np.append(int(begin), passed[:, 1])
+                word = word_of_modes(system, visited, passed[:, 2])
                 known[key] = word, " ".join(names[k] for k in part[:, 0])
             words.append(known[key][0])
             exits.append(known[key][1])
