@@ -80,6 +80,88 @@ def test_exponents_in_step_are_those_of_a_motion_that_is_left():
     assert "its neighbours leave for ever" in found.attrs["message"]
 
 
+def test_a_smaller_exponent_tells_that_chaos_in_step_is_left():
+    """Two equal wells: in step they are as chaotic as apart, and each exponent comes twice.
+
+    Apart the second one is below zero: -0.022 by Runge and Kutta's method from 1e-6 apart, as here
+    from 1e-9.
+    """
+    well = "{x} - {x}**3 - 0.3*{v} + 0.5*cos(1.2*t) + e*({y} - {x})"
+    system = ns.System(
+        states=["x", "v", "y", "w"],
+        parameters={"e": 0.05},
+        period="2*pi/1.2",
+        equations={
+            "x": "v", "v": well.format(x="x", v="v", y="y"),
+            "y": "w", "w": well.format(x="y", v="w", y="x"),
+        },
+    )  # fmt: skip
+    with pytest.warns(ns.ResultWarning, match="strobes later exponent 2 is -0"):
+        found = ns.lyapunov_spectrum(system, {"x": 0.1, "y": 0.1})
+    first, second, *_ = found["lyapunov_exponent"].values
+    assert first == pytest.approx(second, abs=0.02) and second > 0.05
+    assert found.attrs["settled"] == 0
+
+
+@pytest.mark.parametrize(
+    ("system", "start"),
+    [
+        (ns.System(states=["x", "v"], equations={"x": "v", "v": "-sin(x)"}), {"x": 1.0}),
+        (
+            ns.System(
+                states=["x", "u", "y", "w"],
+                equations={
+                    "x": "u", "u": "(1 - x**2)*u - x",
+                    "y": "w", "w": "(1 - y**2)*w - y",
+                },
+            ),
+            {"x": 1.0, "u": -0.5, "w": 0.3},
+        ),
+    ],
+    ids=["pendulum", "uncoupled oscillators"],
+)  # fmt: skip
+def test_a_closed_orbit_that_attracts_nothing_is_no_torus(system, start):
+    """A pendulum without damping, and two oscillators whose phases nothing ties."""
+    found = ns.regime(system, start, period=1.0)
+    assert found["regime"].item() == "unsettled"
+    assert "one closed curve" in found.attrs["message"]
+
+
+def test_exponents_of_a_run_that_ended_early_have_not_settled():
+    for rate, options in (("x**2", {"transient": 0, "record": 10}), ("x", {})):
+        system = ns.System(states=["x"], equations={"x": rate})
+        with pytest.warns(ns.RunWarning):
+            found = ns.lyapunov_spectrum(system, {"x": 1.0}, **options)
+        assert found.attrs["status"] != "completed" and found.attrs["settled"] == 0
+
+
+def test_events_of_one_instant_are_told_as_such():
+    mass = "cos(omega*t) - 0.04*{v} - {x}"
+    system = ns.System(
+        states=["x", "v", "y", "w"],
+        parameters={"omega": 2.8},
+        period="2*pi/omega",
+        modes={
+            "free": ns.Mode(
+                {
+                    "x": "v", "v": mass.format(x="x", v="v"),
+                    "y": "w", "w": mass.format(x="y", v="w"),
+                },
+                exits=[
+                    ns.Exit("0.1 - x", reset={"v": "-0.8*v"}, name="first"),
+                    ns.Exit("0.1 - y", reset={"w": "-0.8*w"}, name="second"),
+                ],
+            )
+        },
+    )  # fmt: skip
+    run = ns.simulate(system, {"x": -0.2}, periods=1200)
+    assert run.attrs["n_uncertain"] > 0
+    assert (
+        "on rounding: tangencies, or guards that are zero at the same instant"
+        in (run.attrs["message"])
+    )
+
+
 def test_chaos_that_lasts_stays_what_it_is():
     """Beside a chaotic motion lies the same chaos: Lorenz's system at r = 28 and below 24.06."""
     equations = {"x": "10*(y - x)", "y": "x*(r - z) - y", "z": "x*y - 8/3*z"}

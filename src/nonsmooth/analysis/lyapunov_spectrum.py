@@ -163,8 +163,8 @@ def lyapunov_spectrum(
     transient that was too short. Two checks do. The largest exponents of both halves of the record
     are compared. And a motion with an exponent above zero is run on for ``confirm`` periods, at the
     end of which its exponents are taken again over half as many periods as ``record``. Where the
-    halves differ, or the motion repeats, ends or has another exponent later, the attribute
-    ``settled`` is 0, and a warning and the message say why.
+    halves differ, or the motion repeats, ends or has other exponents later, the attribute
+    ``settled`` is 0, and a warning and the message say why. So it is where the run ended early.
 
     No finite run tells chaos from a longer transient. ``chaotic_for`` tells for how many periods
     the motion was chaotic without an end: up to the record behind ``confirm``, or without it up to

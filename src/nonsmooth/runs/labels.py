@@ -89,7 +89,11 @@ def _label(text: str) -> dict[str, str]:
 def _doubts(uncertain: int, estimated: int) -> str:
     """What stands against the certificate of a run, "" where nothing does."""
     if uncertain:
-        return f"{uncertain} tangency or tangencies lie within rounding"
+        events = "event depends" if uncertain == 1 else "events depend"
+        return (
+            f"{uncertain} {events} on rounding: tangencies, or guards that are zero at the same"
+            " instant"
+        )
     return f"the error of {estimated} steps is estimated" if estimated else ""
 
 

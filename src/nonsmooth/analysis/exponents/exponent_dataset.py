@@ -21,6 +21,9 @@ __all__ = ["exponent_dataset", "kaplan_yorke_dimension"]
 
 Vector = npt.NDArray[np.float64]
 
+# ends of a run whose record is there: an interruption leaves out what would confirm it
+_WHOLE = (Status.COMPLETED, Status.INTERRUPTED)
+
 
 def exponent_dataset(
     system: System,
@@ -74,7 +77,7 @@ def exponent_dataset(
         "time": ("time", run.times[1:], time),
     }
     told = {
-        "settled": int(not horizon.unsettled),
+        "settled": int(not horizon.unsettled and run.status in _WHOLE),
         "chaotic_for": chaotic_for,
         "escape_rate_below": float(escape_rate_below(chaotic_for)),
         "duration": duration,

@@ -199,6 +199,14 @@ def rates_of(run: ExponentRun) -> Floats:
     return np.where(np.isneginf(run.growth[1:]), -np.inf, rates)
 
 
+def sorted_exponents(rates: Floats) -> list[tuple[float, float]]:
+    """Mean rates of some intervals that are finite, the largest first, with standard errors."""
+    finite = rates[:, np.all(np.isfinite(rates), axis=0)]
+    means, errors = finite.mean(axis=0), block_averages(finite).standard_error
+    order = np.argsort(-means, kind="stable")
+    return list(zip(means[order].tolist(), errors[order].tolist(), strict=True))
+
+
 def largest_exponent(rates: Floats) -> tuple[float, float]:
     """Largest mean rate of some intervals, with its standard error."""
     means = rates.mean(axis=0) if len(rates) else np.full(rates.shape[1], -np.inf)

@@ -25,6 +25,7 @@ from nonsmooth.analysis.exponents.exponent_run import (
     is_chaotic,
     largest_exponent,
     rates_of,
+    sorted_exponents,
 )
 from nonsmooth.analysis.exponents.return_time import never_returns
 from nonsmooth.analysis.passed_events import PassedEvents
@@ -106,17 +107,34 @@ def find_horizon(
         raise KeyboardInterrupt  # what is kept are the exponents of the record
     if after.status != Status.COMPLETED:
         return Horizon(chaotic_for=half)
-    if is_chaotic(after):
-        strobes = (confirm + 2 * _RECORD) * (length or window) / window
-        return Horizon(chaotic_for=protocol.record + strobes + again.transient)
-    rate, error = largest_exponent(rates_of(after))
-    before = largest_exponent(rates_of(run))
-    if means_differ(before, (rate, error), 2.0 * LEAST_GROWTH / duration_of(after)):
-        return Horizon(
-            f"{_counted(system, confirm)} later the largest exponent is"
-            f" {with_error(rate, error, 3, 2)}: {_TRANSIENT}; {_CURE}"
-        )
-    return Horizon(chaotic_for=half)
+    changed = _changed(run, after)
+    if changed:
+        return Horizon(f"{_counted(system, confirm)} later {changed}: {_TRANSIENT}; {_CURE}")
+    if not is_chaotic(after):
+        return Horizon(chaotic_for=half)
+    strobes = (confirm + 2 * _RECORD) * (length or window) / window
+    return Horizon(chaotic_for=protocol.record + strobes + again.transient)
+
+
+def _changed(run: ExponentRun, after: ExponentRun) -> str:
+    """Which exponent is another one in a later record, "" where none is.
+
+    Neighbours may leave a chaotic motion for another one that is as chaotic, as those of equal
+    machines in step do: a smaller exponent tells it then.
+    """
+    before, now = rates_of(run), rates_of(after)
+    first, later = largest_exponent(before), largest_exponent(now)
+    least = 2.0 * LEAST_GROWTH / duration_of(after)
+    if means_differ(first, later, least):
+        return f"the largest exponent is {with_error(*later, 3, 2)}"
+    pairs = zip(sorted_exponents(before), sorted_exponents(now), strict=False)
+    for number, (one, other) in enumerate(pairs, 1):
+        if means_differ(one, other, least):
+            return (
+                f"exponent {number} is {with_error(*other, 3, 2)}, and"
+                f" {with_error(*one, 3, 2)} in the record"
+            )
+    return ""
 
 
 def _halves_differ(run: ExponentRun) -> str:

@@ -43,6 +43,10 @@ __all__ = ["EarlierLooks", "Evidence", "FormerLook", "by_growth"]
 
 _SETTLES = "it settles slowly"
 _NOTHING = "decide nothing"
+_NEUTRAL = (
+    "the states lie on one closed curve, of which neighbours neither come nearer nor go away, as"
+    " without damping or where nothing ties equal machines: it attracts nothing"
+)
 _SAME = 1e-4  # of a step along a curve, by which strobes of a period miss each other
 _NEARING = 0.5  # of a step between strobes that nearly repeat is left as they come to a node
 _AS_FAST = 0.5  # of the rate of neighbours, by which strobes draw together at least
@@ -218,8 +222,8 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
     turns, attracting = isinstance(curves, ClosedCurves), found.attracting(i)
     label = labels.label_of_growth(rates, errors, count * length, attracting, turns=turns)
     slow = found.steady(i)
-    is_cycle = slow.decays and label in ("", labels.QUASI_PERIODIC) and _is_line(found, i)
-    if is_cycle:
+    one_curve = found.autonomous and label in ("", labels.QUASI_PERIODIC) and _is_line(found, i)
+    if slow.decays and one_curve:
         label, exponent, error = labels.LIMIT_CYCLE, slow.rate / length, slow.error / length
     rate, told = exponent, f"exponent {with_error(exponent, error, 3, 2)}"
     if found.autonomous and np.count_nonzero(~found.drifting) < 2:
@@ -230,6 +234,8 @@ def by_growth(seen: Verdict, found: Evidence, i: int, protocol: RegimeProtocol) 
         rule = _rule(rates, errors, length, curves, protocol)
         told = f"exponent of two windows, {_of_both(rates, errors)}, {rule}"
     why, factor = _unbounded(label, seen, found, i, turns=turns), None
+    if not why and one_curve and not slow.decays and np.isfinite(rates).all():
+        why = _NEUTRAL
     if not why and label == labels.QUASI_PERIODIC:
         if found.autonomous:
             why, factor = _thinner(found, i, slow, protocol)
