@@ -194,10 +194,11 @@ def test_a_locked_motion_of_a_long_period_asks_for_a_longer_record():
 
 
 def test_the_errors_of_quasi_periodic_motion_are_those_of_the_rule():
-    """An elastic ball: neighbours part linearly, and the exponent of each window is told."""
+    """An elastic ball beside a pendulum: neighbours part linearly, and both exponents are told."""
+    flight = {"x": "v", "v": "-1", "q": "p", "p": "-q"}
     ball = System(
-        states=["x", "v"], initial={"x": 1.0},
-        modes={"flight": Mode({"x": "v", "v": "-1"}, exits=[Exit("x", reset={"v": "-v"})])},
+        states=["x", "v", "q", "p"], initial={"x": 1.0, "q": 0.5},
+        modes={"flight": Mode(flight, exits=[Exit("x", reset={"v": "-v"})])},
     )  # fmt: skip
     found = ns.regime(ball, period=1)
     assert label(found) == "quasi-periodic"

@@ -155,13 +155,24 @@ def test_a_motion_that_diverges():
     assert label(ns.regime(system)) == "diverged"
 
 
-def test_undamped_motion_is_quasi_periodic():
-    """Strobes of x = cos t at multiples of sqrt(2) never repeat."""
-    found = ns.regime(free(0.0), period="sqrt(2)")
+def test_undamped_motion_of_two_frequencies_is_quasi_periodic():
+    """Strobes of cos t and cos(sqrt(3) t) at multiples of sqrt(2) never repeat."""
+    equations = {"x": "v", "v": "-x", "y": "w", "w": "-3*y"}
+    both = System(states=["x", "v", "y", "w"], initial={"x": 1.0, "y": 1.0}, equations=equations)
+    found = ns.regime(both, period="sqrt(2)")
     assert label(found) == "quasi-periodic"
-    assert abs(found["exponent"].item()) < 1e-12
+    # neighbours keep within sqrt(3) of their distance, over 250 strobes at least
+    assert abs(found["exponent"].item()) < np.log(np.sqrt(3)) / (250 * np.sqrt(2))
     assert found["K"].item() < 0.1
     assert found.attrs["strobe_period"] == np.sqrt(2)
+
+
+def test_undamped_motion_of_one_frequency_attracts_nothing():
+    """Strobes of x = cos t at multiples of sqrt(2) never repeat, but lie on a closed orbit."""
+    found = ns.regime(free(0.0), period="sqrt(2)")
+    assert label(found) == "unsettled"
+    assert "on one closed curve" in found.attrs["message"]
+    assert abs(found["exponent"].item()) < 1e-12
 
 
 def test_two_frequencies_are_quasi_periodic():
