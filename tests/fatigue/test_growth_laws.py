@@ -26,10 +26,40 @@ def test_forman_by_hand_and_at_fracture():
     assert float(law.rate(30.0, 0.5)) == np.inf
 
 
-def test_threshold_and_ranges_that_are_not_positive():
+def test_nothing_grows_up_to_the_threshold():
     law = Paris(1e-8, 3.0, threshold=2.0)
-    np.testing.assert_array_equal(law.rate([-1.0, 0.0, 2.0]), 0.0)
+    np.testing.assert_array_equal(law.rate([0.0, 1.0, 2.0]), 0.0)
     assert float(law.rate(2.1)) > 0
+
+
+LAWS = [Paris(1e-8, 3.0), Walker(1e-8, 3.0, 0.5), Forman(1e-6, 3.0, 60.0, threshold=2.0)]
+LAWS += published_laws().values()
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_range_that_is_not_known_or_negative_is_not_no_growth(law):
+    assert np.isnan(law.rate(np.nan))
+    assert np.isnan(law.rate([10.0, np.nan, 0.0])).tolist() == [False, True, False]
+    for wrong in (-3.0, [1.0, np.nan, -3.0]):
+        with pytest.raises(OptionError, match=r"delta_K = -3 MPa sqrt\(m\)"):
+            law.rate(wrong)
+
+
+@pytest.mark.parametrize("law", [Walker(1e-8, 3.0, 0.5), Forman(1e-6, 3.0, 60.0, threshold=2.0)])
+def test_a_load_ratio_that_is_not_known_or_not_below_one(law):
+    assert np.isnan(law.rate(10.0, np.nan))
+    assert float(law.rate(0.0, 1.0)) == 0.0  # no load changes
+    with pytest.raises(OptionError, match=r"R = 1.5: a load ratio is below 1"):
+        law.rate(10.0, [1.5, np.nan])
+
+
+@pytest.mark.parametrize("closure", ["shut", "none", 0.3, NewmanClosure()])
+def test_stress_intensities_of_a_cycle_in_the_wrong_order(closure):
+    with pytest.raises(OptionError, match="K_min = 10 is above K_max = 5"):
+        effective_range([1.0, 10.0], [2.0, 5.0], closure)
+    for high in (7.0, 7.0 * (1.0 - 1e-15)):  # of one load, the two are as large but for rounding
+        size, ratio = effective_range(7.0, high, closure)
+        assert float(size) == 0.0 and float(Walker(1e-8, 3.0, 0.5).rate(size, ratio)) == 0.0
 
 
 def test_published_laws_carry_their_sources():

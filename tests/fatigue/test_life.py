@@ -7,6 +7,7 @@ import pytest
 from fatigue.bending import bent_beam, plate
 from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.fatigue import (
+    Forman,
     LoadBlock,
     LoadTable,
     Paris,
@@ -127,6 +128,49 @@ def test_cycle_by_cycle_closes_in_on_the_integral():
     np.testing.assert_allclose(np.divide(off[:-1], off[1:]), 2.0, rtol=0.1)
 
 
+def one_after_the_other(law, block, crack, last):
+    """Cycles that `life_by_cycle` takes, in the plainest way."""
+    n = 0
+    while True:
+        k = n % block.count.size
+        low, high = (float(bent_beam(x[k], crack)) for x in (block.minimum, block.maximum))
+        size, ratio = high - max(low, 0.0), max(low, 0.0) / high
+        step = block.count[k] * float(law.rate(size, ratio))
+        if crack + step >= last:
+            return n + (last - crack) / step
+        crack, n = crack + step, n + 1
+
+
+@pytest.mark.parametrize("law", [Walker(3e-5, 3.0, 0.6), Forman(2e-3, 3.0, 40.0), Paris(0.05, 2.0)])
+def test_many_cycles_at_once_are_the_same_cycles(law):
+    """Small growth and large, to fracture; each length is the one that the last cycle left."""
+    block = LoadBlock([50.0, -20.0, 100.0], [250.0, 180.0, 160.0], [1.0, 0.5, 1.0], 0.2)
+    sizes = []
+
+    def counted(load, crack):
+        sizes.append(np.size(crack))
+        return bent_beam(load, crack)
+
+    found = life_by_cycle(counted, law, block, initial=6.4, final=15.0)
+    exact = one_after_the_other(law, block, 6.4, 15.0)
+    assert float(found["time"][-1]) / 0.2 * 3 == pytest.approx(exact, rel=1e-11)
+    assert len(sizes) < 100 + exact / 10  # calls of Python, and not two for each cycle
+    assert sum(sizes) < 300 + 30 * exact
+
+
+def test_noise_is_taken_cycle_by_cycle():
+    """Rounds that never agree still give the one cycle that begins at a known length."""
+    rng = np.random.default_rng(0)
+
+    def noisy(load, crack):
+        return bent_beam(load, crack) * (1 + 0.01 * rng.random(np.shape(load)))
+
+    law = Paris(3e-3, 3.0)
+    found = life_by_cycle(noisy, law, LOAD, initial=6.4, final=9.0)
+    calm = life_by_cycle(bent_beam, law, LOAD, initial=6.4, final=9.0)
+    assert 0.96 < found.attrs["life"] / calm.attrs["life"] < 1.0
+
+
 def test_nothing_grows_below_a_threshold():
     load = LoadBlock.constant_amplitude(0, 100, FREQUENCY)
     found = life(plate, Paris(1e-8, 3, threshold=1e3), load, initial=2.0, final=9.0)
@@ -244,6 +288,28 @@ def test_tolerances_that_cannot_be(bad):
 def test_no_law_and_no_stress_intensity(run, intensity, law, says):
     with pytest.raises(OptionError, match=says):
         run(intensity, law, LOAD, initial=2.0, final=9.0)
+
+
+class OneRange(Paris):
+    """A law that takes one range."""
+
+    def rate(self, delta_K, R=0.0):
+        return super().rate(delta_K, R) if delta_K > 5.0 else 0.0
+
+
+@pytest.mark.parametrize("run", [life, life_by_cycle])
+def test_functions_that_take_no_arrays_or_fail(run):
+    block = LoadBlock([0.0, 1.0], [100.0, 120.0], [1.0, 1.0], 0.1)
+    options = {"initial": 6.0, "final": 9.0}
+    with pytest.raises(OptionError, match=r"stress_intensity: the function fails.*TypeError"):
+        run(lambda p, a: p * float(a), Paris(1e-8, 3), block, **options)
+    with pytest.raises(OptionError, match=r"law: its rate fails for ranges of shape.*ValueError"):
+        run(plate, OneRange(1e-8, 3), block, **options)
+
+
+def test_loads_that_fail_at_a_length():
+    with pytest.raises(OptionError, match="loads: the function fails at a crack of 6 mm with KeyE"):
+        life(plate, Paris(1e-8, 3), lambda a: {}[a], initial=6.0, final=9.0)
 
 
 @pytest.mark.parametrize(

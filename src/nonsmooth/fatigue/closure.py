@@ -16,6 +16,7 @@ __all__ = ["Closure", "NewmanClosure", "closure_text", "effective_range"]
 
 Closure = Any  # "none", "shut", a number, or NewmanClosure
 _WORDS = ("none", "shut")
+_ROUNDING = 1e-12  # of a formula for the stress intensity, of its value
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,8 @@ class NewmanClosure:
         a2 = 1.0 - a0 - a1 - a3
         r = np.maximum(number_array("R", R), -1.0)
         opened = a0 + r * (a1 + np.where(r >= 0.0, r * (a2 + r * a3), 0.0))
+        # at one, where they meet, rounding may leave the sum above it
+        opened = np.minimum(opened, np.maximum(r, 1.0))
         return np.maximum(np.maximum(opened, r), 0.0)
 
 
@@ -113,7 +116,8 @@ def effective_range(
     Raises
     ------
     OptionError
-        For an unknown word, or a number that is not from 0 to below 1.
+        For an unknown word, a number that is not from 0 to below 1, or a smallest stress intensity
+        above the largest.
 
     Examples
     --------
@@ -129,6 +133,7 @@ def effective_range(
         raise OptionError(
             f"K_min and K_max: one value each for every cycle, not {low.size} and {high.size}"
         ) from None
+    low = _ordered(low, high)
     # without closure a cycle in compression has a range too, and no ratio below one
     top = np.where(high > 0.0, high, 1.0)
     if is_known(closure, ("none",)):
@@ -152,6 +157,19 @@ def effective_range(
         raise OptionError(f"closure = {opened:g}: the opening ratio is from 0 to below 1")
     size = open_high * (1.0 - np.clip(np.maximum(ratio, opened), 0.0, 1.0))
     return size, np.zeros_like(size)
+
+
+def _ordered(low: Array, high: Array) -> Array:
+    """Smallest values, none above the largest but by the rounding of the two."""
+    wrong = np.flatnonzero(low > high + _ROUNDING * np.abs(high))
+    if wrong.size:
+        first = wrong[0]
+        raise OptionError(
+            f"K_min = {low.flat[first]:g} is above K_max = {high.flat[first]:g} MPa sqrt(m); of a"
+            " cycle they are the smallest and the largest stress intensity, which grows with the"
+            " load"
+        )
+    return np.minimum(low, high)
 
 
 def closure_text(closure: Closure) -> str:

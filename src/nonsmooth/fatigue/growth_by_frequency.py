@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import number_array, positive, record_values
-from nonsmooth.fatigue.closure import NewmanClosure, effective_range
+from nonsmooth.fatigue.closure import NewmanClosure
 from nonsmooth.fatigue.growth_laws import GrowthLaw
-from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, intensity
+from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, cycle_growth
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -91,10 +91,9 @@ def growth_by_frequency(
     if np.any(np.diff(inner) <= 0.0) or not np.all(inner > 0.0):
         raise OptionError("edges must increase and be above zero, in Hz")
     length = np.full(cycles.sizes["cycle"], positive("crack", crack, "mm"))
-    low = intensity(stress_intensity, cycles["minimum"].values, length)
-    high = intensity(stress_intensity, cycles["maximum"].values, length)
+    both = cycles["minimum"].values, cycles["maximum"].values
     duration, count = float(cycles.attrs["duration"]), cycles["count"].values
-    growth = law.rate(*effective_range(low, high, closure)) * count / duration
+    growth = cycle_growth(stress_intensity, law, both, length, closure) * count / duration
     apart = np.abs(cycles["end"].values - cycles["start"].values)
     if cycles.attrs.get("repeating"):
         apart = np.minimum(apart, duration - apart)  # the other way round the join

@@ -72,17 +72,22 @@ class Paris:
         Parameters
         ----------
         delta_K : array_like
-            Ranges of stress intensity, MPa sqrt(m); a range that is not positive grows nothing.
+            Ranges of stress intensity, MPa sqrt(m), from zero on, at which nothing grows.
         R : array_like
             Load ratios, minimum by maximum; without influence.
 
         Returns
         -------
         numpy.ndarray
-            Growth in mm per cycle.
+            Growth in mm per cycle; nan where it is not known, as of a range that is nan.
+
+        Raises
+        ------
+        OptionError
+            For a negative range.
         """
         size, _ = _together(delta_K, R)
-        return _above(size, self.threshold, self.C * np.maximum(size, 0.0) ** self.m)
+        return _above(size, self.threshold, self.C * size**self.m)
 
 
 @dataclass(frozen=True)
@@ -140,19 +145,21 @@ class Walker:
         Parameters
         ----------
         delta_K : array_like
-            Ranges of stress intensity, MPa sqrt(m); a range that is not positive grows nothing.
+            Ranges of stress intensity, MPa sqrt(m), from zero on, at which nothing grows.
         R : array_like
             Load ratios, minimum by maximum, below one.
 
         Returns
         -------
         numpy.ndarray
-            Growth in mm per cycle.
+            Growth in mm per cycle; nan where it is not known, as of a range that is nan.
+
+        Raises
+        ------
+        OptionError
+            For a negative range, and a load ratio that is not below one.
         """
-        size, ratio = _together(delta_K, R)
-        size, ratio = np.maximum(size, 0.0), np.where(size > 0.0, ratio, 0.0)
-        if np.any(ratio >= 1.0):
-            raise OptionError(f"R = {ratio.max():g}: a load ratio is below 1, as loads change")
+        size, ratio = _changing(delta_K, R)
         size = size / (1.0 - ratio) ** (1.0 - self.gamma)
         return _above(size, self.threshold, self.C * size**self.m)
 
@@ -204,34 +211,52 @@ class Forman:
         Parameters
         ----------
         delta_K : array_like
-            Ranges of stress intensity, MPa sqrt(m); a range that is not positive grows nothing.
+            Ranges of stress intensity, MPa sqrt(m), from zero on, at which nothing grows.
         R : array_like
             Load ratios, minimum by maximum, below one.
 
         Returns
         -------
         numpy.ndarray
-            Growth in mm per cycle.
+            Growth in mm per cycle; nan where it is not known, as of a range that is nan.
+
+        Raises
+        ------
+        OptionError
+            For a negative range, and a load ratio that is not below one.
         """
-        size, ratio = _together(delta_K, R)
-        size, ratio = np.maximum(size, 0.0), np.where(size > 0.0, ratio, 0.0)
+        size, ratio = _changing(delta_K, R)
         left = (1.0 - ratio) * self.K_c - size
-        safe = np.where(left > 0.0, left, 1.0)
-        return _above(
-            size, self.threshold, np.where(left > 0.0, self.C * size**self.m / safe, np.inf)
-        )
+        broken = left <= 0.0  # not so where it is nan
+        rate = self.C * size**self.m / np.where(broken, 1.0, left)
+        return _above(size, self.threshold, np.where(broken, np.inf, rate))
 
 
 def _together(delta_K: npt.ArrayLike, R: npt.ArrayLike) -> tuple[Array, Array]:
     """Ranges and load ratios in one shape."""
     size, ratio = number_array("delta_K", delta_K), number_array("R", R)
     same_shape(delta_K=size, R=ratio)
+    if np.any(size < 0.0):
+        raise OptionError(
+            f"delta_K = {np.nanmin(size):g} MPa sqrt(m): a range of stress intensity, the largest"
+            " less the smallest of a cycle, is not negative"
+        )
     size, ratio = np.broadcast_arrays(size, ratio)
     return size, ratio
 
 
+def _changing(delta_K: npt.ArrayLike, R: npt.ArrayLike) -> tuple[Array, Array]:
+    """Ranges with the load ratios of loads that change; where none does, no ratio counts."""
+    size, ratio = _together(delta_K, R)
+    ratio = np.where(size > 0.0, ratio, 0.0)
+    if np.any(ratio >= 1.0):
+        raise OptionError(f"R = {np.nanmax(ratio):g}: a load ratio is below 1, as loads change")
+    return size, ratio
+
+
 def _above(size: Array, threshold: float, rate: Array) -> Array:
-    return np.where(size > threshold, rate, 0.0)
+    """Rates with none up to a threshold; a size that is nan is not known to lie there."""
+    return np.where(size <= threshold, 0.0, rate)
 
 
 def _check(law: Any, *names: str) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.errors import OptionError, quote
+from nonsmooth.errors import NonsmoothError, OptionError, quote
 from nonsmooth.fatigue.checks import Array, real_numbers
 from nonsmooth.fatigue.closure import Closure, effective_range
 from nonsmooth.fatigue.growth_laws import GrowthLaw
@@ -21,6 +21,7 @@ __all__ = [
     "block_rate",
     "check_law",
     "check_loads",
+    "cycle_growth",
     "growth_rate",
     "intensity",
 ]
@@ -28,6 +29,7 @@ __all__ = [
 StressIntensity = Callable[[Any, Any], Any]  # of load in N and crack in mm
 Loads = Any  # LoadBlock, LoadTable, or a function of the crack that gives a LoadBlock
 _AT_ONCE = 2_000_000  # numbers
+_WRITE = "write it with numpy, so that arrays of loads and of cracks broadcast"
 
 
 def check_loads(loads: Loads, name: str = "loads") -> None:
@@ -55,7 +57,15 @@ def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Array
             f"stress_intensity = {quote(stress_intensity)}: give a function of the load in N and"
             " the crack in mm, such as Specimen().stress_intensity"
         )
-    value = stress_intensity(load, crack)
+    try:
+        value = stress_intensity(load, crack)
+    except NonsmoothError:
+        raise
+    except Exception as error:
+        raise OptionError(
+            f"stress_intensity: the function fails {_shapes('loads', load, 'cracks', crack)} with"
+            f" {type(error).__name__}: {error}; {_WRITE}"
+        ) from error
     try:
         found = real_numbers(value)
     except (TypeError, ValueError, OverflowError):
@@ -65,8 +75,7 @@ def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Array
     shape = np.broadcast_shapes(np.shape(load), np.shape(crack))
     if found.shape != shape:
         raise OptionError(
-            f"stress_intensity gave an array of shape {found.shape} for {shape}: write it with"
-            " numpy, so that arrays of loads and of cracks broadcast"
+            f"stress_intensity gave an array of shape {found.shape} for {shape}: {_WRITE}"
         )
     bad = ~np.isfinite(found)
     if bad.any():
@@ -75,6 +84,41 @@ def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Array
             f"stress_intensity is not finite at a crack of {where:.6g} mm; end before it"
         )
     return found
+
+
+def cycle_growth(
+    stress_intensity: StressIntensity,
+    law: GrowthLaw,
+    loads: tuple[Array, Array],
+    crack: Array,
+    closure: Closure,
+) -> Array:
+    """Growth in mm of cycles between a smallest and a largest load, each at its length."""
+    low, high = (intensity(stress_intensity, load, crack) for load in loads)
+    size, ratio = effective_range(low, high, closure)
+    try:
+        growth = law.rate(size, ratio)
+    except NonsmoothError:
+        raise
+    except Exception as error:  # a law of the user's
+        raise OptionError(
+            f"law: its rate fails {_shapes('ranges', size, 'load ratios', ratio)} with"
+            f" {type(error).__name__}: {error}; write it with numpy, so that it takes arrays"
+        ) from error
+    try:
+        found = real_numbers(growth)
+    except (TypeError, ValueError, OverflowError):
+        raise OptionError(f"law: its rate gave {quote(growth)}; it has to give mm") from None
+    if found.shape != size.shape:
+        raise OptionError(
+            f"law: its rate gave an array of shape {found.shape} for {size.shape}: write it with"
+            " numpy, so that there is one growth for each range"
+        )
+    return found
+
+
+def _shapes(first: str, one: Any, second: str, two: Any) -> str:
+    return f"for {first} of shape {np.shape(one)} and {second} of shape {np.shape(two)}"
 
 
 def block_rate(
@@ -86,13 +130,12 @@ def block_rate(
 ) -> Array:
     """Growth in mm/s of one block at each length."""
     step = max(1, _AT_ONCE // block.count.size)
+    both = block.minimum[None, :], block.maximum[None, :]
     total = np.empty(lengths.size)
     for first in range(0, lengths.size, step):
         part = lengths[first : first + step, None]
-        low = intensity(stress_intensity, block.minimum[None, :], part)
-        high = intensity(stress_intensity, block.maximum[None, :], part)
-        size, ratio = effective_range(low, high, closure)
-        total[first : first + step] = law.rate(size, ratio) @ block.count
+        growth = cycle_growth(stress_intensity, law, both, part, closure)
+        total[first : first + step] = growth @ block.count
     return total / block.duration
 
 
@@ -123,7 +166,15 @@ def growth_rate(
 
 def block_at(loads: Any, crack: float) -> LoadBlock:
     """Block that a function of the crack gives."""
-    block = loads(float(crack))
+    try:
+        block = loads(float(crack))
+    except NonsmoothError:
+        raise
+    except Exception as error:
+        raise OptionError(
+            f"loads: the function fails at a crack of {crack:.6g} mm with {type(error).__name__}:"
+            f" {error}; it takes one length in mm, and gives a LoadBlock for each"
+        ) from error
     if not isinstance(block, LoadBlock):
         raise OptionError(f"loads({crack:.6g}) gave {quote(block)}; it has to give a LoadBlock")
     return block

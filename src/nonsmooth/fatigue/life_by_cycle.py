@@ -8,9 +8,9 @@ import numpy as np
 
 from nonsmooth.errors import OptionError, quote
 from nonsmooth.fatigue.checks import Array, positive
-from nonsmooth.fatigue.closure import NewmanClosure, closure_text, effective_range
+from nonsmooth.fatigue.closure import Closure, NewmanClosure, closure_text
 from nonsmooth.fatigue.growth_laws import GrowthLaw
-from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, intensity
+from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, cycle_growth
 from nonsmooth.fatigue.life import _lengths, life_dataset
 from nonsmooth.fatigue.load_block import LoadBlock
 
@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["life_by_cycle"]
+
+_FIRST_MANY, _MANY = 64, 65536  # cycles at once
+_ROUNDS, _EASY = 12, 7  # after which fewer cycles are taken at once, and below which more
+_SAME = 4.0 * np.finfo(float).eps
 
 
 def life_by_cycle(
@@ -33,7 +37,9 @@ def life_by_cycle(
     """Growth of a crack one cycle after the other, each at the length that the last one left.
 
     What `life` integrates is the limit of small growth in a block; this shows how far a given
-    block is from it. It takes about 20 microseconds per cycle.
+    block is from it. Many cycles are computed at once, each still at the length that the last one
+    left. With `Specimen` and `Walker` it takes 5 microseconds per cycle in a life of a million
+    cycles, and 50 in one of ten thousand, in which each cycle changes the growth more.
 
     Parameters
     ----------
@@ -89,33 +95,29 @@ def life_by_cycle(
     check_law(law)
     first, last = _lengths(initial, final)
     most = _whole(most_cycles)
+    march = _March(stress_intensity, law, loads, closure, last)
     size = loads.count.size
-    cracks, blocks, crack, n = [first], [0.0], first, 0
+    cracks, blocks, crack, n = [np.array([first])], [np.array([0.0])], first, 0
     while crack < last:
-        k = n % size
-        step = loads.count[k] * _growth(stress_intensity, law, loads, k, crack, closure)
-        if not step >= 0.0:
-            raise OptionError(f"the law gives a growth of {step:g} mm at a crack of {crack:.6g} mm")
-        if n >= most:
+        if n == most:
             raise OptionError(
                 f"after {n} cycles the crack is {crack:.6g} mm long, not {last:g}; use life(), or"
                 " allow more with most_cycles="
             )
-        if crack + step >= last:
-            cracks.append(last)
-            blocks.append((n + (last - crack) / step) / size)
+        path = march.cycles_from(n, crack, most - n)
+        whole = path.size - 1 if path[-1] < last else path.size - 2
+        ends = np.arange(size - n % size, whole + 1, size)  # cycles that end a block
+        _refuse_rest(np.concatenate([cracks[-1][-1:], path[ends]]))
+        cracks.append(path[ends])
+        blocks.append((n + ends) / size)
+        if whole < path.size - 1:
+            crack = float(path[-2])
+            cracks.append(np.array([last]))
+            part = (last - crack) / (path[-1] - crack)
+            blocks.append(np.array([(n + whole + part) / size]))
             break
-        crack += step
-        n += 1
-        if n % size == 0:
-            if crack == cracks[-1]:
-                raise OptionError(
-                    f"the crack does not grow from {crack:.6g} mm on: no cycle of the block does"
-                    " any work there, or less than rounding; use life()"
-                )
-            cracks.append(crack)
-            blocks.append(n / size)
-    lengths, times = np.array(cracks), np.array(blocks) * loads.duration
+        crack, n = float(path[-1]), n + whole
+    lengths, times = np.concatenate(cracks), np.concatenate(blocks) * loads.duration
     return life_dataset(lengths, times, _mean_rate(lengths, times), loads, {
         "ended": "final length", "law": repr(law), "source": str(getattr(law, "source", "")),
         "closure": closure_text(closure), "initial": first, "final": last,
@@ -130,18 +132,70 @@ def _whole(most: Any) -> int:
     return int(number)
 
 
-def _growth(
-    stress_intensity: StressIntensity,
-    law: GrowthLaw,
-    loads: LoadBlock,
-    k: int,
-    crack: float,
-    closure: str | float | NewmanClosure,
-) -> float:
-    both = np.array([loads.minimum[k], loads.maximum[k]])
-    low, high = intensity(stress_intensity, both, np.array([crack, crack]))
-    size, ratio = effective_range(low, high, closure)
-    return float(law.rate(size, ratio))
+def _refuse_rest(ends: Array) -> None:
+    """Refuse a crack that is as long after a block as before it."""
+    rest = np.flatnonzero(np.diff(ends) == 0.0)
+    if rest.size:
+        raise OptionError(
+            f"the crack does not grow from {ends[rest[0]]:.6g} mm on: no cycle of the block does"
+            " any work there, or less than rounding; use life()"
+        )
+
+
+class _March:
+    """Cycles one after the other, many of them computed at once.
+
+    Lengths that are guessed give growths, and these give better lengths, until nothing changes but
+    by rounding. Each round makes one more cycle right whatever the law is, as the first begins at a
+    length that is known; and where the growth changes little over all the cycles that are taken at
+    once, a few rounds make all of them right.
+    """
+
+    def __init__(
+        self,
+        stress_intensity: StressIntensity,
+        law: GrowthLaw,
+        loads: LoadBlock,
+        closure: Closure,
+        last: float,
+    ) -> None:
+        self._intensity, self._law, self._closure = stress_intensity, law, closure
+        self._loads, self._last = loads, last
+        self._at_once = _FIRST_MANY
+
+    def cycles_from(self, n: int, crack: float, most: int) -> Array:
+        """The length before cycle ``n`` and those after it and after some that follow.
+
+        None of them begins at the last length or beyond.
+        """
+        place = (n + np.arange(min(self._at_once, most))) % self._loads.count.size
+        starts = np.full(place.size, crack)
+        rounds, off = 0, np.ones(place.size, bool)
+        while off.any() and rounds < _ROUNDS:
+            rounds += 1
+            steps = self._steps(place, starts)
+            path = np.cumsum(np.concatenate([[crack], steps]))
+            inside = int(np.count_nonzero(path[:-1] < self._last))
+            place, path = place[:inside], path[: inside + 1]
+            off = np.abs(path[:-1] - starts[:inside]) > _SAME * path[:-1]
+            starts = path[:-1]
+        right = inside if not off.any() else int(np.argmax(off))
+        self._at_once = min(2 * right, _MANY) if rounds < _EASY else max(right, 1)
+        return path[: right + 1]
+
+    def _steps(self, place: Array, starts: Array) -> Array:
+        """Growth of cycles up to the first one that has none, which fails if it is the first."""
+        loads = self._loads.minimum[place], self._loads.maximum[place]
+        growth = cycle_growth(self._intensity, self._law, loads, starts, self._closure)
+        steps = self._loads.count[place] * growth
+        bad = np.flatnonzero(~(steps >= 0.0))
+        if bad.size == 0:
+            return steps
+        if bad[0] == 0:  # at a length that is no guess
+            raise OptionError(
+                f"the law gives a growth of {steps[0]:g} mm at a crack of {starts[0]:.6g} mm"
+            )
+        return steps[: bad[0]]
 
 
 def _mean_rate(lengths: Array, times: Array) -> Array:
