@@ -62,3 +62,43 @@ def test_a_profile_with_bands_and_ends_of_the_region():
     np.testing.assert_allclose(relative.lines[0].get_ydata(), [1.0, 0.5, 0.25])
     for each in (ax, relative):
         plt.close(each.figure)
+
+
+def profile_of(shares, unsettled, **attrs):
+    """Profile with the same numbers for all measures, nan where there is no attractor."""
+    shares, over = np.array(shares), ("parameter", "attractor")
+    names = ("local_integrity", "global_integrity", "integrity_factor")
+    names += ("local_error", "global_error", "factor_error")
+    return xr.Dataset(
+        {name: (over, 0.0 * shares if "error" in name else shares) for name in names}
+        | {"unsettled": ("parameter", unsettled)},
+        {"parameter": np.arange(len(shares)) + 1.0, "attractor": np.arange(shares.shape[1]) + 1},
+        attrs={"half_diagonal": 0.1, **attrs},
+    )
+
+
+NAN = np.nan
+
+
+def test_a_safe_basin_is_one_curve_to_the_value_at_which_it_is_gone():
+    """Also where its attractors have other numbers; where starts are unsettled it is not known."""
+    shares = [[0.5, NAN, NAN], [NAN, 0.4, 0.3], [NAN] * 3, [NAN] * 3]
+    profile = profile_of(shares, [0.0, 0.1, 0.0, 0.1], safe="all")
+    ax = ns.plot.erosion_profile(profile, "factor")
+    (line,) = ax.lines
+    np.testing.assert_array_equal(line.get_ydata(), [0.5, 0.3, 0.0, NAN])
+    assert line.get_label() == "safe basin"
+    assert ax.get_xlim()[0] <= 1.0 and ax.get_xlim()[1] >= 4.0
+    band = ax.collections[0].get_paths()[0].vertices
+    assert band[band[:, 0] == 3.0, 1].max() == pytest.approx(0.15)  # less than a cell is not seen
+    plt.close(ax.figure)
+
+
+def test_a_basin_that_is_gone_is_zero_but_where_its_attractor_may_have_another_number():
+    shares = [[0.5, NAN, NAN], [0.4, NAN, NAN], [NAN, 0.3, NAN], [NAN, 0.2, 0.1], [NAN] * 3]
+    ax = ns.plot.erosion_profile(profile_of(shares, [0.0] * 5, safe="each"))
+    np.testing.assert_array_equal(
+        [line.get_ydata() for line in ax.lines],
+        [[0.5, 0.4, NAN, NAN, NAN], [NAN, NAN, 0.3, 0.2, 0.0], [NAN, NAN, 0.0, 0.1, 0.0]],
+    )
+    plt.close(ax.figure)

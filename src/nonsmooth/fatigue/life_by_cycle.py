@@ -95,7 +95,7 @@ def life_by_cycle(
     check_law(law)
     first, last = _lengths(initial, final)
     most = _whole(most_cycles)
-    march = _March(stress_intensity, law, loads, closure, last)
+    march = _CycleMarch(stress_intensity, law, loads, closure, last)
     size = loads.count.size
     cracks, blocks, crack, n = [np.array([first])], [np.array([0.0])], first, 0
     while crack < last:
@@ -142,7 +142,7 @@ def _refuse_rest(ends: Array) -> None:
         )
 
 
-class _March:
+class _CycleMarch:
     """Cycles one after the other, many of them computed at once.
 
     Lengths that are guessed give growths, and these give better lengths, until nothing changes but

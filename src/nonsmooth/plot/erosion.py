@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,18 @@ if TYPE_CHECKING:
 __all__ = ["erosion_profile"]
 
 Floats = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+
+class _ErosionCurve(NamedTuple):
+    """A measure of one basin over the parameter, nan where it is not known."""
+
+    number: int  # of the attractor that gives it its colour
+    text: str
+    height: Floats
+    bound: Floats
+    by_region: Mask  # where a ball ends at the end of the region, and may be larger
+
 
 # measure, its error, and what it is called with and without a reference
 _MEASURES = {
@@ -28,7 +40,9 @@ _MEASURES = {
     "global": ("global_integrity", "global_error", "share of the region"),
     "factor": ("integrity_factor", "factor_error", "radius of the largest ball"),
 }
+_UNSEEN = {"local": 1.0, "global": 0.0, "factor": 1.5}  # as the errors where there is no cell
 _RINGED = "ball ended by the region"
+_TOGETHER = "safe basin"
 _PALE = 0.25  # opacity of bands
 _DASHES = ("-", "--", "-.", ":")
 
@@ -61,8 +75,10 @@ def erosion_profile(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes. Attractors have the colours of `nonsmooth.plot.basins`; a circle around a point
-        says that the end of the region, and not a border, ends the ball, which may be larger.
+        The axes, over all values. Attractors have the colours of `nonsmooth.plot.basins`; a curve
+        is zero where its basin is gone. The safe basin of ``safe="all"`` is one curve; the distance
+        is then that of the attractor that lies nearest to its border. A circle around a point says
+        that the end of the region, and not a border, ends the ball, which may be larger.
 
     Raises
     ------
@@ -88,34 +104,32 @@ def erosion_profile(
     """
     if not is_known(measure, _MEASURES):
         raise OptionError(unknown_choice("measure", measure, list(_MEASURES)))
-    name, error, label = _MEASURES[measure]
+    name, _, label = _MEASURES[measure]
     if name not in profile or profile[name].dims != ("parameter", "attractor"):
         raise OptionError(
             "profile: the dataset has no integrity over a parameter; give a result of"
             " erosion_profile"
         )
     ax = new_axes() if ax is None else ax
-    numbers = profile["attractor"].values.tolist()
-    styles = attractor_styles(profile, numbers)
+    curves = _curves(profile, measure)
+    styles = attractor_styles(profile, [each.number for each in curves])
     values = profile["parameter"].values
     rings = []
-    for place, number in enumerate(numbers):
-        one = profile.sel(attractor=number)
-        height, bound = one[name].values, one[error].values
+    for place, each in enumerate(curves):
+        height = each.height
         size = float(np.nanmax(height)) if np.isfinite(height).any() else 1.0
         scale = size if relative and size > 0.0 else 1.0
-        colour = styles[number].points
+        colour = styles[each.number].points
         ax.plot(
             values, height / scale, color=colour, linestyle=_DASHES[place % len(_DASHES)],
-            linewidth=1.0, marker=".", markersize=3.0, label=f"attractor {number}",
+            linewidth=1.0, marker=".", markersize=3.0, label=each.text,
         )  # fmt: skip
-        low = np.maximum(height - bound, 0.0) / scale
+        low = np.maximum(height - each.bound, 0.0) / scale
         ax.fill_between(
-            values, low, (height + bound) / scale, color=colour, alpha=_PALE, linewidth=0.0
+            values, low, (height + each.bound) / scale, color=colour, alpha=_PALE, linewidth=0.0
         )
-        ended = _ended_by_region(one, measure)
-        if ended.any():
-            rings.append((values[ended], height[ended] / scale, colour))
+        if each.by_region.any():
+            rings.append((values[each.by_region], height[each.by_region] / scale, colour))
     for place, (across, up, colour) in enumerate(rings):  # last, as is their entry of the legend
         ax.plot(
             across, up, linestyle="none", marker="o", markersize=4.0, markerfacecolor="none",
@@ -123,6 +137,9 @@ def erosion_profile(
         )  # fmt: skip
     if relative:
         label += ", beside its largest"
+    # also over values at which there is nothing to draw
+    ax.update_datalim(np.column_stack([values, np.zeros(values.size)]))
+    ax.autoscale_view()
     finish_axes(ax, axis_label(profile["parameter"]), label)
     ax.set_ylim(bottom=0.0)
     if legend:
@@ -130,9 +147,51 @@ def erosion_profile(
     return ax
 
 
-def _ended_by_region(one: xr.Dataset, measure: str) -> npt.NDArray[np.bool_]:
-    """Where a ball ends at the end of the region, and may be larger."""
+def _curves(profile: xr.Dataset, measure: str) -> list[_ErosionCurve]:
+    """What there is to draw: a curve for each attractor, or one for the basins of all."""
+    name, error, _ = _MEASURES[measure]
+    height, bound = profile[name].values.copy(), profile[error].values.copy()
     limit = f"{measure}_limit"
-    if limit not in one:
-        return np.zeros(one.sizes["parameter"], bool)
-    return np.asarray(one[limit].values == "region")
+    by_region = (
+        profile[limit].values == "region" if limit in profile else np.zeros(height.shape, bool)
+    )
+    numbers = profile["attractor"].values.tolist()
+    there = np.isfinite(profile["global_integrity"].values) if "global_integrity" in profile else (
+        np.isfinite(height)
+    )  # fmt: skip
+    sure = profile["unsettled"].values == 0.0 if "unsettled" in profile else there.any(axis=1)
+    unseen = _UNSEEN[measure] * profile.attrs.get("half_diagonal", 0.0)
+    if profile.attrs.get("safe") != "all":
+        gone = _gone(there, sure)
+        height[gone], bound[gone] = 0.0, unseen
+        return [
+            _ErosionCurve(number, f"attractor {number}", height[:, k], bound[:, k], by_region[:, k])
+            for k, number in enumerate(numbers)
+        ]
+    empty = sure & ~there.any(axis=1)
+    whole = [np.where(empty, x, np.nan) for x in (0.0, unseen)] + [np.zeros(len(sure), bool)]
+    for row in np.flatnonzero(there.any(axis=1)):
+        # the ball around all attractors is that of the one where it is smallest
+        unknown = there[row] & ~np.isfinite(height[row])
+        least = int(np.argmax(unknown) if unknown.any() else np.nanargmin(height[row]))
+        for each, rows in zip(whole, (height, bound, by_region), strict=True):
+            each[row] = rows[row, least]
+    return [_ErosionCurve(1, _TOGETHER, *whole)]
+
+
+def _gone(there: Mask, sure: Mask) -> Mask:
+    """Where a basin is gone that there was at a value beside.
+
+    An attractor that is not found again may go on under a new number, so that none may begin there.
+
+    shapes: there, result (values, attractors), sure (values,) where all starts are settled
+    """
+    gone = np.zeros_like(there)
+    count = len(there)
+    for order in (range(count), range(count - 1, -1, -1)):
+        before = None
+        for row in order:
+            if before is not None and sure[row] and not np.any(there[row] & ~there[before]):
+                gone[row] |= ~there[row] & (there[before] | gone[before])
+            before = row
+    return gone
