@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 
 from nonsmooth.errors import ModelError
 
-__all__ = ["MATRIX_SUFFIXES", "read_archive", "read_matrix"]
+__all__ = ["MATRIX_SUFFIXES", "archive_fault", "read_archive", "read_matrix"]
 
 MATRIX_SUFFIXES = (".npy", ".csv", ".mtx")
 _OBJECTS = "Object arrays cannot be loaded"  # what numpy says of them
@@ -30,7 +31,9 @@ def read_matrix(name: str, path: Path, cure: str = "") -> Any:
         if suffix == ".npy":
             return np.load(path, allow_pickle=False)
         if suffix == ".csv":
-            return np.loadtxt(path, delimiter=",", ndmin=2)
+            with warnings.catch_warnings():  # of a file without numbers, which has no matrix
+                warnings.filterwarnings("ignore", "loadtxt: input contained no data")
+                return np.loadtxt(path, delimiter=",", ndmin=2)
         if suffix == ".mtx":
             from scipy.io import mmread
 
@@ -47,6 +50,8 @@ def read_matrix(name: str, path: Path, cure: str = "") -> Any:
 
 def read_archive(path: Path, known: Sequence[str], needed: Sequence[str]) -> dict[str, Any]:
     """Arrays of an ``.npz`` or ``.mat`` file by name; others than those known are refused."""
+    if not path.exists():
+        raise ModelError(f"path: there is no file or folder '{path}'")
     arrays = _mat(path) if path.suffix.lower() == ".mat" else _npz(path)
     for name in needed:
         if name not in arrays:
@@ -75,9 +80,17 @@ def _npz(path: Path) -> dict[str, Any]:
     except _FAULTS as error:
         if name and _OBJECTS in str(error):
             raise ModelError(f"path: {path.name}: array {name!r} {_NO_OBJECTS}") from None
-        # numpy takes any other file for Python objects, and says how to read those
-        fault = "it is no archive of arrays" if _PICKLED in str(error) else error
-        raise ModelError(f"path: {path.name} cannot be read as .npz: {fault}") from None
+        raise ModelError(
+            f"path: {path.name} cannot be read as .npz: {archive_fault(error)}"
+        ) from None
+
+
+def archive_fault(error: Exception) -> str:
+    """What numpy says of an archive that it cannot read.
+
+    It takes any other file for Python objects, and says how to read those.
+    """
+    return "it is no archive of arrays" if _PICKLED in str(error) else str(error)
 
 
 def _mat(path: Path) -> dict[str, Any]:

@@ -103,6 +103,12 @@ def test_pairs_of_labels():
     assert float(fractal["uncertainty_exponent"]) < 0.6
 
 
+def test_a_pair_of_which_one_does_not_occur_is_told():
+    with pytest.warns(ns.ResultWarning, match=r"label 7, so there is no such .*; labels are 1, 2"):
+        found = ns.uncertainty_exponent(halves(), between=(1, 7))
+    assert np.isnan(float(found["uncertainty_exponent"]))
+
+
 def test_what_is_left_out_is_not_compared():
     """A strip of inadmissible or unsettled cells along the boundary hides it up to its width."""
     labels = halves()

@@ -451,6 +451,15 @@ def test_wrong_options(options, message):
         section(oscillator(), **options)
 
 
+@pytest.mark.parametrize("count", [2, 3, 7])
+@pytest.mark.parametrize("period", ["0.7", "2*pi"])
+def test_a_point_at_the_end_of_a_period_begins_the_next(period, count):
+    decay = ns.System(states=["x"], period=period, equations={"x": "-x"})
+    found = section(decay, {"x": 1.0}, section=f"t - {count}*({period})", record=1)
+    assert int(found["period_number"][0]) == count
+    assert float(found["phase"][0]) < 1e-14
+
+
 def test_more_wrong_options():
     with pytest.raises(ns.OptionError, match="the event 'impact' has no direction"):
         section(ball(), section="impact", direction=1)

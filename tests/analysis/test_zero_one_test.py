@@ -111,6 +111,7 @@ def test_it_survives_a_file(tmp_path):
         (np.ones(300), {"every": 0}, "every = 0"),
         (["a"], {}, "list of numbers"),
         (np.full(300, np.nan), {}, "finite"),
+        (np.ones(300) * 1j, {}, "list of numbers"),
     ],
 )
 def test_wrong_options(data, options, text):

@@ -119,6 +119,14 @@ def test_unknown_names_are_met_with_the_run(run, before, shape, words):
         drawn(run, shape, before)
 
 
+def test_a_view_or_a_size_that_cannot_be_is_refused_when_it_is_read():
+    shape = 'kind = "circle"\ncentre = [0, 0]\nradius = '
+    with pytest.raises(ModelError, match=r"view.x: from 1 to -2; give two finite numbers in order"):
+        ns.plot.Drawing.from_toml(PLAIN.replace("[-2, 2]", '["1", "-2"]') + shape + "1")
+    with pytest.raises(ModelError, match=r"radius = '-0.1': a size is not negative"):
+        ns.plot.Drawing.from_toml(PLAIN + shape + "'-0.1'")
+
+
 def test_the_view_stands_still(run):
     text = PLAIN.replace("x = [-2, 2]", 'x = ["x - 1", "x + 1"]')
     drawing = ns.plot.Drawing.from_toml(text + 'kind = "circle"\ncentre = [0, 0]\nradius = 1')

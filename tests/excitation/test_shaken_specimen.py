@@ -164,5 +164,8 @@ def test_bad_input_of_lives_is_told_before_the_rig_runs():
     grid = {"dampings": [0.2], "mean_loads": [0.0], "measures": ["displacement"]}
     with pytest.raises(OptionError, match="give lowest="):
         spread_of_life_ratio(rig, SINE, {"wave": wave}, bent_beam, {"walker": LAW}, **grid)
+    for wrong in ([6.4], 6.4, []):
+        with pytest.raises(OptionError, match=r"cracks = .*: give two lengths in mm or more"):
+            lives_under_shaking(rig, SINE, SINE, bent_beam, LAW, cracks=wrong)
     with pytest.raises(OptionError, match="cracks must increase"):
         lives_under_shaking(rig, SINE, SINE, bent_beam, LAW, cracks=[8.0, 6.0])

@@ -177,7 +177,7 @@ def test_another_portrait_and_another_drawing(struck):
     machine, portrait, history = film.figure.axes
     assert machine.get_title(loc="left") == "a dot"
     assert portrait.get_xlabel() == "velocity of the mass"
-    assert history.get_ylabel() == "v"
+    assert history.get_title(loc="left") == "velocity of the mass"  # as that of the portrait
 
 
 def test_systems_without_a_machine_and_with_one_state():

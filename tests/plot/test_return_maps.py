@@ -104,6 +104,9 @@ def test_wrong_input(logistic):
             draw(ns.simulate(ns.models.moling(), periods=1))
     with pytest.raises(ns.OptionError, match=r"start = 2: .* from 0.01 to 0.99"):
         ns.plot.cobweb(logistic, 2.0)
+    for name in ("steps", "transient"):
+        with pytest.raises(ns.OptionError, match=f"{name} = -1 must be a whole number"):
+            ns.plot.cobweb(logistic, 0.3, **{name: -1})
 
 
 def test_axes_are_taken(logistic):

@@ -224,6 +224,22 @@ def test_arrays_of_objects_in_files(tmp_path):
         ns.Structure(objects, np.eye(2))
 
 
+def test_files_and_folders_that_hold_no_structure(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ns.ModelError, match=r"^path: \. has no mass"):
+        ns.Structure.from_files(".")
+    with pytest.raises(ns.ModelError, match=r"^path: there is no file or folder 'nowhere'"):
+        ns.Structure.from_files("nowhere")
+    (tmp_path / "bad.npz").write_text("hi")
+    with pytest.raises(ns.ModelError, match=r"as one sparse matrix: it is no archive of arrays;"):
+        ns.Structure("bad.npz", np.eye(2))
+    (tmp_path / "empty.csv").write_text("")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(ns.ModelError, match=r"^mass"):
+            ns.Structure("empty.csv", np.eye(2))
+
+
 @pytest.mark.parametrize(
     ("arrays", "said"),
     [

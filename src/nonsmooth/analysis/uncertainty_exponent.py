@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
@@ -11,7 +12,7 @@ import xarray as xr
 
 from nonsmooth.analysis.measures.outcomes import LEFT_OUT, Outcomes, blocks_of, outcomes_of
 from nonsmooth.analysis.statistics.power_law import PowerLaw, fit_power_law, leave_one_out_error
-from nonsmooth.errors import OptionError, quote
+from nonsmooth.errors import OptionError, ResultWarning, quote
 from nonsmooth.runs.options import whole_number
 
 __all__ = ["uncertainty_exponent"]
@@ -83,6 +84,11 @@ def uncertainty_exponent(
         For what is no array of labels, fewer than 16 cells on a side, or distances that do not
         fit.
 
+    Warns
+    -----
+    ResultWarning
+        When no cell has one of the labels of ``between``.
+
     See Also
     --------
     basin_entropy : uncertainty at one scale.
@@ -118,6 +124,14 @@ def uncertainty_exponent(
     outcomes = outcomes_of(basins, leave_out)
     steps = _check_distances(distances, outcomes.labels.shape)
     pair = _check_pair(between)
+    absent = [] if pair is None else [k for k in pair if k not in outcomes.numbers]
+    if absent:
+        warnings.warn(
+            f"between = {pair}: no cell that counts has the label {absent[0]}, so there is no such"
+            f" boundary; labels are {', '.join(map(str, outcomes.numbers))}",
+            ResultWarning,
+            stacklevel=2,
+        )
     block, count = blocks_of(outcomes.labels.shape)
     sums = np.empty((len(steps), count))
     for k, step in enumerate(steps):

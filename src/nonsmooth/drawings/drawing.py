@@ -15,7 +15,7 @@ from nonsmooth.drawings.shape import ALONG, Shape
 from nonsmooth.errors import ModelError, OptionError, quote, unknown_name
 from nonsmooth.system.model.toml_text import parse_toml, read_source
 from nonsmooth.system.system import System
-from nonsmooth.system.text.evaluate import evaluate
+from nonsmooth.system.text.evaluate import constant_value, evaluate
 from nonsmooth.system.text.expressions import Expression, names_in
 from nonsmooth.system.text.grammar import parse
 
@@ -223,11 +223,7 @@ class Drawing:
         where = f"drawing: view.{axis}"
         ends = [np.asarray(_value(each, values, where)) for each in self.view[axis]]
         low, high = (float(each.flat[0]) for each in ends)
-        if any(each.size > 1 for each in ends) or not -np.inf < low < high < np.inf:
-            raise ModelError(
-                f"{where}: from {low:g} to {high:g}; give two finite numbers in order that stay as"
-                " they are, such as those that [ranges] makes"
-            )
+        _ordered(where, low, np.nan if any(each.size > 1 for each in ends) else high)
         return low, high
 
 
@@ -285,4 +281,14 @@ def _range(given: Any, where: str) -> tuple[Expression, Expression]:
     if not isinstance(given, list) or len(given) != 2:
         raise ModelError(f"{where} = {quote(given)}: give two numbers or texts")
     low, high = (parse(each, where=where) for each in given)
+    if not names_in(low) and not names_in(high):  # ends of names are known with a run
+        _ordered(where, constant_value(low, {}), constant_value(high, {}))
     return low, high
+
+
+def _ordered(where: str, low: float, high: float) -> None:
+    if not -np.inf < low < high < np.inf:
+        raise ModelError(
+            f"{where}: from {low:g} to {high:g}; give two finite numbers in order that stay as"
+            " they are, such as those that [ranges] makes"
+        )

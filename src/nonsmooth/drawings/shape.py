@@ -13,8 +13,8 @@ from nonsmooth.drawings import outlines
 from nonsmooth.drawings.frames import DrawnShape
 from nonsmooth.drawings.roles import ROLES
 from nonsmooth.errors import ModelError, quote, unknown_name
-from nonsmooth.system.text.evaluate import evaluate
-from nonsmooth.system.text.expressions import Expression
+from nonsmooth.system.text.evaluate import constant_value, evaluate
+from nonsmooth.system.text.expressions import Expression, names_in
 from nonsmooth.system.text.grammar import parse, parse_condition
 
 __all__ = ["ALONG", "Shape"]
@@ -31,7 +31,7 @@ class _Kind(NamedTuple):
     """What a kind of shape is made of: its coordinates by sort, and what draws them."""
 
     drawn: Literal["area", "line", "text"]
-    coordinates: Mapping[str, str]  # "number", "pair" or "points"
+    coordinates: Mapping[str, str]  # "number", "size", "pair" or "points"
     outline: Callable[..., outlines.Outline]
     number: tuple[str, int] | None = None  # name and default of a whole number
     role: str = "body"
@@ -39,24 +39,24 @@ class _Kind(NamedTuple):
 
 _KINDS = {
     "rectangle": _Kind("area", {"x": "pair", "y": "pair"}, outlines.rectangle),
-    "circle": _Kind("area", {"centre": "pair", "radius": "number"}, outlines.circle),
+    "circle": _Kind("area", {"centre": "pair", "radius": "size"}, outlines.circle),
     "polygon": _Kind("area", {"points": "points"}, outlines.polyline),
     "region": _Kind("area", {"x": "number", "y": "number"}, lambda x, y: (x, y)),
     "line": _Kind("line", {"points": "points"}, outlines.polyline, role="rod"),
     "curve": _Kind("line", {"x": "number", "y": "number"}, lambda x, y: (x, y), role="rod"),
     "spring": _Kind(
-        "line", {"start": "pair", "end": "pair", "width": "number"}, outlines.spring,
+        "line", {"start": "pair", "end": "pair", "width": "size"}, outlines.spring,
         ("turns", 5), "spring",
     ),
     "damper": _Kind(
-        "line", {"start": "pair", "end": "pair", "width": "number"}, outlines.damper, role="damper"
+        "line", {"start": "pair", "end": "pair", "width": "size"}, outlines.damper, role="damper"
     ),
     "ground": _Kind(
-        "line", {"start": "pair", "end": "pair", "depth": "number"}, outlines.ground,
+        "line", {"start": "pair", "end": "pair", "depth": "size"}, outlines.ground,
         ("strokes", 12), "ground",
     ),
     "arrow": _Kind(
-        "line", {"start": "pair", "end": "pair", "head": "number"}, outlines.arrow, role="force"
+        "line", {"start": "pair", "end": "pair", "head": "size"}, outlines.arrow, role="force"
     ),
     "text": _Kind("text", {"at": "pair"}, lambda at: outlines.polyline([at]), role="label"),
 }  # fmt: skip
@@ -154,8 +154,11 @@ def _evaluated(value: Coordinate, values: Mapping[str, Any]) -> Any:
 
 
 def _coordinate(given: Any, sort: str, where: str) -> Coordinate:
-    if sort == "number":
-        return parse(given, where=where)
+    if sort in ("number", "size"):
+        found = parse(given, where=where)
+        if sort == "size" and not names_in(found) and not constant_value(found, {}) >= 0.0:
+            raise ModelError(f"{where} = {quote(given)}: a size is not negative")
+        return found
     if not isinstance(given, Sequence) or isinstance(given, str):
         raise ModelError(f"{where} = {quote(given)}: give a list")
     if sort == "pair":

@@ -15,7 +15,7 @@ from nonsmooth.errors import OptionError, is_known, quote
 from nonsmooth.excitation.equal_power import equal_power, power_ratio
 from nonsmooth.excitation.record import MEASURES, Excitation, check_excitation
 from nonsmooth.excitation.shaken_specimen import ShakenSpecimen
-from nonsmooth.fatigue.checks import finite, listed, positive, record_values
+from nonsmooth.fatigue.checks import finite, finite_array, listed, positive
 from nonsmooth.fatigue.closure import NewmanClosure
 from nonsmooth.fatigue.cycles import count_cycles
 from nonsmooth.fatigue.growth_laws import GrowthLaw
@@ -330,7 +330,11 @@ def _amplitude(load: Any) -> float:
 
 
 def _lengths(cracks: Any) -> Any:
-    lengths = record_values("cracks", cracks)
+    lengths = finite_array("cracks", cracks)
+    if lengths.ndim != 1 or lengths.size < 2:
+        raise OptionError(
+            f"cracks = {quote(cracks)}: give two lengths in mm or more, between which a crack grows"
+        )
     if np.any(np.diff(lengths) <= 0.0) or lengths[0] <= 0.0:
         raise OptionError("cracks must increase and be above zero, in mm")
     return lengths

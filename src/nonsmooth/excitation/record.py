@@ -199,7 +199,7 @@ class Excitation:
         Parameters
         ----------
         factor : float
-            Factor.
+            Factor; a negative one turns the record over, as a shaker does whose table is turned.
 
         Returns
         -------

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError
-from nonsmooth.fatigue.checks import Array, listed, record_values
+from nonsmooth.errors import OptionError, quote
+from nonsmooth.fatigue.checks import Array, finite_array, listed
 from nonsmooth.fatigue.load_block import LoadBlock
 
 __all__ = ["LoadTable"]
@@ -47,7 +47,9 @@ class LoadTable:
     blocks: Any
 
     def __post_init__(self) -> None:
-        lengths = record_values("cracks", self.cracks)
+        lengths = finite_array("cracks", self.cracks)
+        if lengths.ndim != 1 or lengths.size == 0:
+            raise OptionError(f"cracks = {quote(self.cracks)}: give a list of lengths in mm")
         blocks = tuple(listed("blocks", self.blocks, "LoadBlocks, one for each length"))
         if np.any(np.diff(lengths) <= 0.0):
             raise OptionError("cracks must increase, in mm")

@@ -121,7 +121,10 @@ class HistoryPanel:
 
     def __init__(self, run: xr.Dataset, of_frames: xr.Dataset, variable: str, ax: Axes) -> None:
         draw_lines(run, [variable], ax, None, {})
-        finish_axes(ax, axis_label(run["time"]), variable)
+        finish_axes(ax, axis_label(run["time"]), "")
+        # beside so low a panel there is no room for more than a word
+        size = ax.xaxis.label.get_size()
+        ax.set_title(axis_label(run[variable]), loc="left", fontsize=size)
         self._time = of_frames["time"].values
         self._cursor = ax.axvline(self._time[0], color=_ALERT, linewidth=1.2)
         self.artists: list[Artist] = [self._cursor]

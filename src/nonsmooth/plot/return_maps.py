@@ -13,6 +13,7 @@ from nonsmooth.errors import OptionError
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import PALETTE, axis_label, finish_axes
+from nonsmooth.real_numbers import whole_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -257,7 +258,7 @@ def cobweb(
     Raises
     ------
     OptionError
-        For another dataset, or a start outside the map.
+        For another dataset, a start outside the map, or negative steps.
 
     Notes
     -----
@@ -276,6 +277,8 @@ def cobweb(
     'time since the period began'
     """
     require_map(data)
+    steps = whole_number("steps", steps, least=0)
+    transient = whole_number("transient", transient, least=0)
     ax = _square_axes() if ax is None else ax
     low, high = _range(data)
     draw_diagonal(ax, low, high)
@@ -347,7 +350,7 @@ def _orbit(data: xr.Dataset, start: float, steps: int) -> npt.NDArray[np.float64
 
 def _draw_staircase(ax: Axes, values: npt.NDArray[np.float64], transient: int) -> None:
     """Up to the map and across to the diagonal, again and again."""
-    shown = values[max(0, transient) :]
+    shown = values[transient:]
     if shown.size < 2:
         return
     across = np.repeat(shown, 2)[:-1]

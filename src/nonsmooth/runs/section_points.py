@@ -27,6 +27,7 @@ from nonsmooth.runs.section_search import (
     Crossings,
     NamedEvents,
     Pick,
+    SectionPoints,
     SectionSearch,
     joined_points,
     search,
@@ -41,6 +42,7 @@ from nonsmooth.version import __version__
 __all__ = ["SectionStart", "misfit", "start_on_section", "take_points"]
 
 
+_ROUNDING = 1e-15  # of a period
 _WAYS = {1: "upward", -1: "downward", 0: "in either direction"}
 
 
@@ -185,12 +187,19 @@ def _on_either_side(start: Start, split: Section, window: float, used: float) ->
     return Start(start.state, instant, modes)
 
 
+def _within_periods(points: SectionPoints, window: float) -> SectionPoints:
+    """Points that come with the end of a period, to rounding, at the begin of the next one."""
+    ended = points.phase >= window * (1.0 - _ROUNDING)
+    number = points.number + ended
+    return replace(points, number=number, phase=np.where(ended, 0.0, points.phase))
+
+
 def _section_dataset(
     system: System, tables: Tables, found: SectionSearch, protocol: dict[str, Any]
 ) -> xr.Dataset:
     """Dataset over ``point`` from what a search has found."""
     labels = labels_of(system)
-    points = joined_points(found.parts, len(system.states))
+    points = _within_periods(joined_points(found.parts, len(system.states)), tables.window)
     side = 0 if protocol["side"] == "before" else 1
     states, modes = points.states[side].T.copy(), points.modes[side]
     clock = SampleClock(points.number, points.phase, tables)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError, quote
-from nonsmooth.matrix_files import MATRIX_SUFFIXES, read_archive, read_matrix
+from nonsmooth.matrix_files import MATRIX_SUFFIXES, archive_fault, read_archive, read_matrix
 
 __all__ = ["MATRICES", "check_definite", "dense", "frozen", "is_sparse", "placed", "read_matrices",
            "read_structure", "scaled"]  # fmt: skip
@@ -102,24 +102,25 @@ def _read(name: str, path: Path) -> Any:
         return load_npz(path)
     except (OSError, ValueError, EOFError, TypeError, KeyError) as error:
         raise ModelError(
-            f"{name}: {path.name} cannot be read as one sparse matrix: {error}; a file with all"
-            " matrices is read by Structure.from_files"
+            f"{name}: {path.name} cannot be read as one sparse matrix: {archive_fault(error)}; a"
+            " file with all matrices is read by Structure.from_files"
         ) from None
 
 
 def read_structure(path: Path) -> dict[str, Any]:
     """Matrices of a file or a folder by their long names, and names of coordinates if there."""
     arrays = _folder(path) if path.is_dir() else read_archive(path, _KNOWN, ())
+    shown = path.name or str(path)  # "." has no name
     found: dict[str, Any] = {}
     for name, array in arrays.items():
         long = _SHORT.get(name, name)
         if long in found:
-            raise ModelError(f"path: {path.name} has {long} twice; leave one out")
+            raise ModelError(f"path: {shown} has {long} twice; leave one out")
         found[long] = array
     for name in MATRICES[:2]:
         if name not in found:
             raise ModelError(
-                f"path: {path.name} has no {name}; it has {sorted(arrays)}, and these have a"
+                f"path: {shown} has no {name}; it has {sorted(arrays)}, and these have a"
                 f" meaning: {', '.join(_KNOWN)}"
             )
     if "coordinates" in found:  # padded with blanks where MATLAB wrote them

@@ -301,6 +301,11 @@ class System(EvaluatedSystem):
             matrix, offset, n = first_order(mass, damping, stiffness, force, exits)
             if states is None:
                 states = [f"{letter}{i + 1}" for letter in "xv" for i in range(n)]
+        elif matrix is None:
+            raise ModelError(
+                "matrix: there is none; give matrix= for x' = A x + b, or mass= and stiffness= for"
+                " M x'' + C x' + K x = f"
+            )
         return cls(**matrix_words(matrix, offset, exits, states), **rest)
 
     @classmethod

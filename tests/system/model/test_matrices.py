@@ -246,7 +246,6 @@ SHAPES = [
     ([1, 2], "has the shape (2,); it is square"),
     (np.ones((2, 2, 2)), "has the shape (2, 2, 2)"),
     (3.0, "is no array"),
-    (None, "is no array"),
     ("1 2; 3 4", "is no array"),
     ({1, 2}, "is no array"),
     (np.ones((512, 512)), "is 512 x 512; at most 511 states can run"),
@@ -261,6 +260,13 @@ def test_matrices_of_the_wrong_shape(matrix, words):
     assert refused(matrix).startswith("matrix")
     assert words in refused({"m": matrix})
     assert refused({"m": matrix}).startswith("matrix['m']")
+
+
+def test_no_matrix_at_all():
+    said = "matrix: there is none; give matrix= for x' = A x + b, or mass= and stiffness="
+    assert refused().startswith(said)
+    assert refused(None, [1.0, 2.0]).startswith(said)
+    assert "matrix['m'] is no array" in refused({"m": None})
 
 
 def test_modes_of_different_sizes():

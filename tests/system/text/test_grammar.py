@@ -162,6 +162,7 @@ REFUSED = [
     ("sin()", 4, "value is expected"),
     ("sin(x, y)", 0, "takes 1"),
     ("min(x)", 0, "at least 2"),
+    ("clip(x, 1, -1)", 0, "clip from 1 to -1: give the lower bound first"),
     ("rate(x + 1)", 0, "name of a state"),
     ("x[0]", 1, "no indexing"),
     ("x; y", 1, "one expression"),

@@ -125,6 +125,8 @@ def uniform_step(series: Series) -> float:
 
 def _numbers(values: Any) -> Vector:
     try:
+        if np.asarray(values).dtype.kind == "c":  # of which numpy would drop a part
+            raise TypeError
         numbers = np.asarray(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
         raise OptionError(f"data = {quote(values)}: give a run, or a list of numbers") from None

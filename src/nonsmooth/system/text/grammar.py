@@ -351,6 +351,10 @@ class _Parser:
             condition, yes, no = arguments
             assert isinstance(condition, Call)
             return _choice(condition, yes, no, token.at)
+        if token.text == "clip" and all(isinstance(each, Number) for each in arguments[1:]):
+            low, high = (each.value for each in arguments[1:] if isinstance(each, Number))
+            if low > high:
+                self.fail(token.at, f"clip from {low:g} to {high:g}: give the lower bound first")
         return Call(token.text, tuple(arguments), token.at)
 
     def condition(self, hint: str) -> Call:
