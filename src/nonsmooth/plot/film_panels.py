@@ -123,7 +123,7 @@ class HistoryPanel:
         draw_lines(run, [variable], ax, None, {})
         finish_axes(ax, axis_label(run["time"]), "")
         # beside so low a panel there is no room for more than a word
-        size = ax.xaxis.label.get_size()
+        size = ax.xaxis.label.get_fontsize()
         ax.set_title(axis_label(run[variable]), loc="left", fontsize=size)
         self._time = of_frames["time"].values
         self._cursor = ax.axvline(self._time[0], color=_ALERT, linewidth=1.2)
