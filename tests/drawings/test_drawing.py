@@ -127,6 +127,11 @@ def test_a_view_or_a_size_that_cannot_be_is_refused_when_it_is_read():
         ns.plot.Drawing.from_toml(PLAIN + shape + "'-0.1'")
 
 
+def test_a_negative_depth_is_one_to_the_other_side(run):
+    shape = drawn(run, 'kind = "ground"\nstart = [0, 0]\nend = [1, 0]\ndepth = -0.1')
+    assert np.nanmax(shape.y) == pytest.approx(0.1) and np.nanmin(shape.y) == 0.0
+
+
 def test_the_view_stands_still(run):
     text = PLAIN.replace("x = [-2, 2]", 'x = ["x - 1", "x + 1"]')
     drawing = ns.plot.Drawing.from_toml(text + 'kind = "circle"\ncentre = [0, 0]\nradius = 1')

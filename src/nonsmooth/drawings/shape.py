@@ -45,14 +45,14 @@ _KINDS = {
     "line": _Kind("line", {"points": "points"}, outlines.polyline, role="rod"),
     "curve": _Kind("line", {"x": "number", "y": "number"}, lambda x, y: (x, y), role="rod"),
     "spring": _Kind(
-        "line", {"start": "pair", "end": "pair", "width": "size"}, outlines.spring,
+        "line", {"start": "pair", "end": "pair", "width": "number"}, outlines.spring,
         ("turns", 5), "spring",
     ),
     "damper": _Kind(
-        "line", {"start": "pair", "end": "pair", "width": "size"}, outlines.damper, role="damper"
+        "line", {"start": "pair", "end": "pair", "width": "number"}, outlines.damper, role="damper"
     ),
     "ground": _Kind(
-        "line", {"start": "pair", "end": "pair", "depth": "size"}, outlines.ground,
+        "line", {"start": "pair", "end": "pair", "depth": "number"}, outlines.ground,
         ("strokes", 12), "ground",
     ),
     "arrow": _Kind(
