@@ -2,6 +2,7 @@ r"""`campbell`: natural frequencies over the speed of a shaft, and its critical 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -11,11 +12,11 @@ import numpy.typing as npt
 import xarray as xr
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import OptionError, RunError, quote
+from nonsmooth.errors import OptionError, ResultWarning, RunError, quote
 from nonsmooth.real_numbers import finite_numbers, whole_number
 from nonsmooth.structures.eigenpairs import refined
 from nonsmooth.structures.following import ALIKE, FollowedModes, assurance, follow, nearby
-from nonsmooth.structures.modes import eigenvalue_variables, whirl_variables
+from nonsmooth.structures.modes import eigenvalue_variables, followed_variables
 from nonsmooth.structures.pencil import Pencil, computing_form
 from nonsmooth.structures.structure import Structure
 from nonsmooth.structures.whirl import directions_of, whirl_of
@@ -60,7 +61,8 @@ def campbell(
     speeds : sequence of float
         Speeds of the shaft in rad/s, increasing, two or more.
     count : int, optional
-        How many modes, the slowest ones at the first speed that oscillate.
+        How many modes, the slowest ones at the first speed that oscillate. Those that begin to
+        oscillate at a higher speed, and are not faster there, come behind these.
     harmonics : sequence of float, optional
         Multiples of the speed that excite the shaft.
 
@@ -83,6 +85,11 @@ def campbell(
     RunError
         When a mode is lost between two speeds; give more speeds there.
 
+    Warns
+    -----
+    ResultWarning
+        When no mode oscillates.
+
     See Also
     --------
     natural_modes : at one speed, with the shapes.
@@ -94,7 +101,8 @@ def campbell(
     A step in which a shape changes much (criterion below 0.7) is halved, six times at most; a low
     ``mac`` that is left tells of two modes that were close there. Equal eigenvalues, as those of a
     shaft at rest in equal bearings, have no shapes of their own, so a low value there means
-    nothing.
+    nothing. At speeds at which a mode is overdamped its frequency is zero, and where it is not
+    there yet, or no longer, its values are not numbers.
 
     A critical speed is sought between two steps at which the difference has different signs, so
     a curve that crosses a line twice between two speeds needs a finer grid. There the eigenvalue
@@ -122,22 +130,17 @@ def campbell(
     if not (orders > 0.0).all():
         raise OptionError(f"harmonics = {quote(harmonics)}: each is positive")
     structure = computing_form(structure)
-    path = follow(partial(Pencil, structure), axis, count)
+    path = follow(partial(Pencil, structure), axis, count, overdamped=False)
     followed = path.rows(axis)
+    if not followed.values.shape[1]:
+        warnings.warn(
+            f"structure: no mode oscillates from {axis[0]:g} to {axis[-1]:g} rad/s; root_locus"
+            " follows the eigenvalues of overdamped motions",
+            ResultWarning,
+            stacklevel=3,
+        )
     crossings = _critical_speeds(structure, path, orders)
-    dims = ("speed", "mode")
-    variables = eigenvalue_variables(dims, followed.values)
-    variables["mac"] = (
-        dims,
-        followed.likeness,
-        {"long_name": "modal assurance criterion with the speed before", "units": "1"},
-    )
-    whirl = [
-        whirl_of(vectors, structure.coordinates, float(speed))
-        for speed, vectors in zip(axis, followed.vectors, strict=True)
-    ]
-    if whirl[0] is not None:
-        variables |= whirl_variables(dims, np.array(whirl))
+    variables = followed_variables(followed, structure.coordinates, "speed", axis)
     variables |= _critical_variables(crossings)
     numbers = np.arange(1, followed.values.shape[1] + 1)
     return xr.Dataset(
@@ -211,6 +214,8 @@ class _Between:
         alike = assurance(near[2][:, None], vector[:, None], pencil.M)[0, 0]
         if not alike >= ALIKE:  # Newton's method has led to another mode
             value, vector = refined(pencil, *self._chosen(pencil, guess, near[2]))
+        if value.imag < 0.0:  # the conjugate one, near the real axis
+            value, vector = value.conjugate(), vector.conj()
         self.known.append((speed, value, vector))
         return value, vector
 

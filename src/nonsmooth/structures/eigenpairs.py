@@ -22,7 +22,7 @@ from nonsmooth.errors import ModelError, RunError
 from nonsmooth.structures.matrices import check_definite, dense, is_sparse
 from nonsmooth.structures.pencil import Pencil, solver_of
 
-__all__ = ["Eigenpairs", "check_mass", "nearest_to_zero", "refined"]
+__all__ = ["Eigenpairs", "check_mass", "is_small", "nearest_to_zero", "refined"]
 
 Array = npt.NDArray[Any]
 
@@ -59,12 +59,17 @@ def check_mass(pencil: Pencil) -> None:
     check_definite(pencil.M)
 
 
+def is_small(pencil: Pencil) -> bool:
+    """Whether all eigenvalues cost as much as a few."""
+    return pencil.structure.size <= _DENSE
+
+
 def nearest_to_zero(pencil: Pencil, count: int | None) -> Eigenpairs:
     """So many modes, or all: pairs of conjugate eigenvalues count once, real ones each."""
     check_mass(pencil)
     size = pencil.structure.size
     wanted = size if count is None else min(count, 2 * size)
-    if size <= _DENSE or (2 * wanted + _GUARD) * 4 > size:
+    if is_small(pencil) or (2 * wanted + _GUARD) * 4 > size:
         if size > _LARGEST_DENSE:
             raise ModelError(
                 f"count = {count}: of {size} degrees of freedom at most {size // 8 - _GUARD} modes"

@@ -13,8 +13,9 @@ from nonsmooth.errors import NonsmoothError, OptionError, quote
 from nonsmooth.real_numbers import finite_numbers, whole_number
 from nonsmooth.structures.critical_speeds import speeds_of
 from nonsmooth.structures.following import follow
-from nonsmooth.structures.modes import eigenvalue_variables
+from nonsmooth.structures.modes import followed_variables
 from nonsmooth.structures.pencil import Pencil, computing_form
+from nonsmooth.structures.stability import decay_of, decaying
 from nonsmooth.structures.structure import Structure
 from nonsmooth.version import __version__
 
@@ -41,7 +42,8 @@ def root_locus(
     values : sequence of float
         The values, increasing or decreasing, two or more.
     count : int, optional
-        How many modes, the slowest ones at the first value that oscillate.
+        How many modes, the slowest ones at the first value that oscillate. Real eigenvalues, and
+        modes that become of these, are followed beside them where they are not farther from zero.
     speed : float, optional
         Speed of the shaft in rad/s, where ``structure`` is a function.
     name, units : str, optional
@@ -50,14 +52,20 @@ def root_locus(
     Returns
     -------
     xarray.Dataset
-        Over ``value`` and ``mode``: the complex ``eigenvalue``, and what is read from it, as in
-        `natural_modes`; ``mac``, the modal assurance criterion of a shape with that at the value
-        before. ``stable`` over ``value``: whether all of these modes decay.
+        Over ``value`` and ``mode``: the complex ``eigenvalue``, what is read from it, and the sense
+        of whirl, as in `natural_modes`; ``mac``, the modal assurance criterion of a shape with that
+        at the value before. ``stable`` over ``value``: whether all motions of the structure decay,
+        also those that are not among these modes, rigid ones aside.
 
     Raises
     ------
     OptionError
         When values are too few, or the function returns something else.
+
+    Warns
+    -----
+    ResultWarning
+        When there are too many eigenvalues to tell whether all motions decay.
 
     See Also
     --------
@@ -66,8 +74,14 @@ def root_locus(
 
     Notes
     -----
-    Modes are followed as in `campbell`. A mode whose motion becomes overdamped goes on along the
-    real axis with one of its two eigenvalues.
+    Modes are followed as in `campbell`. Where a mode becomes overdamped, its pair of eigenvalues
+    becomes two real ones: it goes on with one of them, and a mode begins with the other. Where two
+    real ones meet and oscillate, one goes on and the other ends. A mode that is not there at a
+    value has no numbers.
+
+    Of a large structure as many eigenvalues are computed as it takes until the damping tells that
+    no others grow. An eigenvalue zero is on the border of stability; that of a rigid motion, which
+    no force restores at any value, says nothing.
 
     Examples
     --------
@@ -82,7 +96,7 @@ def root_locus(
     if isinstance(structure, Structure):
         fixed = computing_form(structure)
         axis = speeds_of(values, fixed, least=2, name="values")
-        name, units = "speed of the shaft", "rad/s"
+        name, units, coordinates = "speed of the shaft", "rad/s", fixed.coordinates
 
         def pencil_at(value: float) -> Pencil:
             return Pencil(fixed, value)
@@ -91,7 +105,8 @@ def root_locus(
         steps = np.diff(axis) if axis.ndim == 1 else np.zeros(0)
         if not steps.size or not ((steps > 0.0).all() or (steps < 0.0).all()):
             raise OptionError("values: give two or more, increasing or decreasing")
-        make, size = structure, _made(structure, float(axis[0])).size
+        make, coordinates = structure, _made(structure, float(axis[0])).coordinates
+        size = len(coordinates)
 
         def pencil_at(value: float) -> Pencil:
             made = _made(make, value)
@@ -102,15 +117,14 @@ def root_locus(
                 )
             return Pencil(computing_form(made), float(speed))
 
-    followed = follow(pencil_at, axis, count).rows(axis)
-    variables = eigenvalue_variables(("value", "mode"), followed.values)
-    variables["mac"] = (
-        ("value", "mode"),
-        followed.likeness,
-        {"long_name": "modal assurance criterion with the value before", "units": "1"},
-    )
-    stable = (followed.values.real < 0.0).all(axis=1)
-    variables["stable"] = "value", stable, {"long_name": "whether all modes decay"}
+    followed = follow(pencil_at, axis, count, overdamped=True).rows(axis)
+    speeds = axis if isinstance(structure, Structure) else np.full(axis.shape, float(speed))
+    variables = followed_variables(followed, coordinates, "value", speeds)
+    decays = [
+        decay_of(pencil_at(float(value)), near)
+        for value, near in zip(axis, followed.near, strict=True)
+    ]
+    variables["stable"] = "value", decaying(decays), {"long_name": "whether all motions decay"}
     numbers = np.arange(1, followed.values.shape[1] + 1)
     return xr.Dataset(
         variables,

@@ -13,8 +13,8 @@ import numpy.typing as npt
 from nonsmooth.errors import ModelError, quote
 from nonsmooth.matrix_files import MATRIX_SUFFIXES, archive_fault, read_archive, read_matrix
 
-__all__ = ["MATRICES", "check_definite", "dense", "frozen", "is_sparse", "placed", "read_matrices",
-           "read_structure", "scaled"]  # fmt: skip
+__all__ = ["MATRICES", "check_definite", "dense", "frozen", "is_definite", "is_sparse", "placed",
+           "read_matrices", "read_structure", "scaled"]  # fmt: skip
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic")
 _SHORT = {"M": "mass", "K": "stiffness", "C": "damping", "G": "gyroscopic"}
@@ -143,7 +143,7 @@ def check_definite(mass: Any) -> None:
 
     By Cholesky's factors of a dense matrix, by the signs of the pivots of a sparse one.
     """
-    if _is_definite(mass):
+    if is_definite(mass):
         return
     least, largest = _extreme_eigenvalues(mass)
     if least < -_ROUNDING * largest:
@@ -154,7 +154,8 @@ def check_definite(mass: Any) -> None:
     raise ModelError("mass is singular: every coordinate has inertia; condense those without it")
 
 
-def _is_definite(matrix: Any) -> bool:
+def is_definite(matrix: Any) -> bool:
+    """Whether a symmetric or Hermitian matrix is positive definite."""
     if not is_sparse(matrix):
         try:
             np.linalg.cholesky(matrix)
@@ -170,7 +171,7 @@ def _is_definite(matrix: Any) -> bool:
     except RuntimeError:  # a pivot is zero
         return False
     unchanged = (factors.perm_r == factors.perm_c).all()
-    return bool(unchanged and (factors.U.diagonal() > 0.0).all())
+    return bool(unchanged and (factors.U.diagonal().real > 0.0).all())
 
 
 def _extreme_eigenvalues(matrix: Any) -> tuple[float, float]:

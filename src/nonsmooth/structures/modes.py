@@ -3,6 +3,7 @@ r"""`natural_modes`: eigenvalues of a structure, with what engineers read from t
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import ResultWarning
 from nonsmooth.real_numbers import whole_number
 from nonsmooth.structures.eigenpairs import nearest_to_zero
+from nonsmooth.structures.following import FollowedModes
 from nonsmooth.structures.pencil import Pencil, computing_form
 from nonsmooth.structures.structure import Structure
 from nonsmooth.structures.whirl import directions_of, whirl_of
@@ -20,6 +22,7 @@ from nonsmooth.version import __version__
 
 __all__ = [
     "eigenvalue_variables",
+    "followed_variables",
     "natural_modes",
     "normalised",
     "warn_if_unstable",
@@ -184,6 +187,23 @@ def eigenvalue_variables(dims: Any, values: Array) -> dict[str, Any]:
         "damping_ratio": (dims, ratio, {"long_name": "damping ratio", "units": "1"}),
         "log_decrement": (dims, decrement, {"long_name": "logarithmic decrement", "units": "1"}),
     }
+
+
+def followed_variables(
+    followed: FollowedModes, coordinates: Sequence[str], axis: str, speeds: Array
+) -> dict[str, Any]:
+    """What is read from modes over a value or a speed, with the speed of the shaft at each."""
+    dims = (axis, "mode")
+    variables = eigenvalue_variables(dims, followed.values)
+    words = f"modal assurance criterion with the {axis} before"
+    variables["mac"] = dims, followed.likeness, {"long_name": words, "units": "1"}
+    whirl = [
+        whirl_of(vectors, coordinates, float(speed))
+        for speed, vectors in zip(speeds, followed.vectors, strict=True)
+    ]
+    if whirl[0] is not None:
+        variables |= whirl_variables(dims, np.array(whirl))
+    return variables
 
 
 def whirl_variables(dims: Any, whirl: Array) -> dict[str, Any]:
