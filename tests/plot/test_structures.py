@@ -173,6 +173,7 @@ def test_a_reduced_model_is_drawn_beside_the_full_one(rotor, speeds):
     ax = ns.plot.reduction(estimate, coordinate="2y")
     lines = [line.get_ydata() for line in ax.lines]
     assert len(lines) == 2 * estimate.sizes["speed"]
+    assert ax.get_ylabel() == "receptance at 2y [m/N]"
     for i in range(estimate.sizes["speed"]):
         for name, line in zip(("full", "reduced"), lines[2 * i : 2 * i + 2], strict=True):
             assert np.array_equal(line, estimate[name].sel(coordinate="2y")[i])
@@ -195,3 +196,51 @@ def test_names_of_multiples_of_the_speed_do_not_overlap(highest):
     boxes = [text.get_window_extent() for text in names]
     assert len(boxes) == len(orders)
     assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
+
+
+def test_the_receptance_of_an_angle_has_its_own_unit(rotor):
+    small = ns.structures.reduce(rotor, ["2y", "2rx"], frequency_range=(0.0, 3000.0))
+    ax = ns.plot.reduction(small.estimate, coordinate="2rx")
+    assert ax.get_ylabel() == "receptance at 2rx [rad/(N m)]"
+
+
+@pytest.mark.parametrize("highest", [430.0, 900.0])
+@pytest.mark.parametrize("units", ["rad/s", "rpm"])
+def test_names_of_multiples_of_the_speed_do_not_lie_on_curves(highest, units):
+    held = [Bearing([f"{i}x", f"{i}y"], [[2e7, 0.0], [0.0, 1e7]], 6e3) for i in (0, 12)]
+    discs = [ns.structures.Disc.from_geometry(i, 0.07, 0.35) for i in (4, 8)]
+    turning = shaft([Beam(0.1, 0.06)] * 12, discs=discs, bearings=held)
+    found = campbell(turning, np.linspace(0.0, highest, 16), count=6, harmonics=[1.0, 2.0])
+    ax = ns.plot.campbell(found, units=units)
+    ax.figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in ax.texts]
+    assert len(boxes) == 2
+    for line in ax.lines:
+        path = ax.transData.transform_path(line.get_path()).cleaned(remove_nans=True)
+        assert not any(path.intersects_bbox(box, filled=False) for box in boxes)
+
+
+def test_a_campbell_diagram_of_overdamped_motions_says_so():
+    slow = ns.Structure([[1.0]], [[100.0]], damping=[[25.0]])
+    with pytest.warns(ns.ResultWarning, match="no mode oscillates"):
+        found = campbell(slow, [0.0, 50.0])
+    ax = ns.plot.campbell(found)
+    assert [text.get_text() for text in ax.texts] == ["no mode oscillates", "1X"]
+    assert ax.get_ylim()[1] == 50.0
+    assert ns.plot.root_locus(found).get_xlim()[0] < 0.0
+
+
+@pytest.mark.parametrize("damping", [15.0, 25.0])
+def test_a_root_locus_shows_overdamped_motions_on_the_real_axis(damping):
+    """x'' + c x' + (100 - p) x = 0: two real eigenvalues, one of which crosses the border."""
+    loads = np.linspace(0.0, 150.0, 16)
+    found = root_locus(lambda p: ns.Structure([[1.0]], [[100.0 - p]], damping=[[damping]]), loads)
+    ax = ns.plot.root_locus(found)
+    ends = np.sort(next(line for line in ax.lines if line.get_marker() == "s").get_xdata())
+    np.testing.assert_allclose(ends, np.sort(np.roots([1.0, damping, -50.0])), rtol=1e-12)
+    assert ax.get_xlim()[1] > ends[1] > 0.0
+    # both paths begin where the pair was last, if there was one
+    segments = np.array(ax.collections[0].get_segments())
+    heights = segments[:, :, 1]
+    down = (heights[:, 0] > 0.0) & (heights[:, 1] == 0.0)
+    assert down.sum() == (2 if damping == 15.0 else 0)

@@ -170,3 +170,11 @@ def test_what_is_refused():
         assemble({})
     with pytest.raises(ns.NonsmoothError, match="parts"):
         assemble({"a": 3.0})
+
+
+@pytest.mark.parametrize("factors", [(-1.0, 0.0), (0.0, -1e-6), (1.0,), (0.0, 1.0, 2.0)])
+def test_rayleigh_damping_that_feeds_energy_in_is_refused(factors):
+    """In all shafts; two factors are given, neither of them negative."""
+    for make in (shaft, plane_beam, torsional_shaft):
+        with pytest.raises(ns.OptionError, match=r"damping = .*: (a negative factor|give two)"):
+            make([Beam(0.2, 0.05)], damping=factors)

@@ -215,3 +215,69 @@ def test_overdamped_motions_have_no_critical_speed_at_rest():
     )
     found = campbell(held, np.linspace(0.0, 300.0, 7), count=4)
     np.testing.assert_allclose(found["critical_speed"], [math.sqrt(1e4 - 25.0)] * 2, rtol=1e-12)
+
+
+def test_critical_speeds_of_motions_that_are_overdamped_at_rest():
+    """z'' + (c - i g speed) z' + k z = 0 with z = x + i y, whose roots are real at rest.
+
+    With lambda = s + i speed forward and s - i speed backward: s = -c / (2 - g) and
+    (1 - g) speed^2 = k - c^2 (1 - g) / (2 - g)^2, and the same with -g.
+    """
+    c, k, g = 10.0, 24.0, 0.9
+    held = ns.Structure(
+        np.eye(2),
+        k * np.eye(2),
+        damping=c * np.eye(2),
+        gyroscopic=[[0.0, g], [-g, 0.0]],
+        coordinates=["1x", "1y"],
+    )
+    found = campbell(held, np.linspace(0.0, 20.0, 11))
+    exact = [math.sqrt(k / (1 + s) - (c / (2 + s)) ** 2) for s in (g, -g)]
+    np.testing.assert_allclose(found["critical_speed"], exact, rtol=1e-12)
+    assert found["critical_direction"].values.tolist() == ["backward", "forward"]
+    rates = found["critical_eigenvalue"].values.real
+    np.testing.assert_allclose(rates, [-c / (2 + g), -c / (2 - g)], rtol=1e-12)
+
+
+def test_critical_speeds_of_a_mode_that_begins_to_oscillate_are_those_by_numpy():
+    """With gyroscopic moments between coordinates of a heavily damped structure."""
+    rng, n = np.random.default_rng(5), 4
+    for _ in range(50):
+        a = rng.normal(size=(n, n))
+        mass = a @ a.T + np.eye(n)
+        a = rng.normal(size=(n, n))
+        stiffness = 1e4 * (a @ a.T + np.eye(n))
+        a = rng.normal(size=(n, n))
+        damping = 60.0 * (a @ a.T)
+        a = rng.normal(size=(n, n))
+        gyroscopic = 3.0 * (a - a.T)
+        if damped_beyond(mass, stiffness, damping) > 0:
+            break
+    inverse = np.linalg.inv(mass)
+
+    def above(speed):
+        lower = [-inverse @ stiffness, -inverse @ (damping + speed * gyroscopic)]
+        values = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], lower]))
+        return int((values.imag > speed).sum())
+
+    fine = np.linspace(0.01, 400.0, 2000)
+    places = np.flatnonzero(np.diff([above(speed) for speed in fine]))
+    rotor = ns.Structure(mass, stiffness, damping=damping, gyroscopic=gyroscopic)
+    found = campbell(rotor, np.linspace(0.0, 400.0, 41))["critical_speed"].values
+    assert len(found) == len(places)
+    assert ((found > fine[places]) & (found < fine[places + 1])).all()
+
+
+def damped_beyond(mass, stiffness, damping):
+    """How many real eigenvalues there are at rest."""
+    n, inverse = len(mass), np.linalg.inv(mass)
+    lower = [-inverse @ stiffness, -inverse @ damping]
+    values = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], lower]))
+    return int((values.imag == 0.0).sum())
+
+
+def test_without_a_mode_that_oscillates_there_is_a_word():
+    slow = ns.Structure([[1.0]], [[100.0]], damping=[[25.0]])
+    with pytest.warns(ns.ResultWarning, match="no mode oscillates from 0 to 50 rad/s"):
+        found = campbell(slow, [0.0, 50.0])
+    assert found.sizes["mode"] == found.sizes["critical"] == 0

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SENSES", "campbell"]
 
+Floats = npt.NDArray[np.float64]
+
 # colour and dashes of each sense of whirl; either is enough
 SENSES: dict[str, dict[str, Any]] = {
     "forward": {"color": PALETTE["blue"], "linestyle": "-", "linewidth": 1.1},
@@ -36,7 +39,10 @@ _LABELS = {
 }
 _RPM, _HERTZ = 30.0 / math.pi, 0.5 / math.pi
 _ROOM = 1.12  # above the highest curve
-_PLACES = 15  # along a line at which its name may stand
+_PLACES = 29  # along a line at which its name may stand
+_BESIDE, _CLEAR = 3.0, 2.0  # points from the line, and from others
+_FINE = 800  # points of a curve
+_NEVER = 1e6  # of its points: what a place outside of the picture, or on another name, counts
 
 
 @checked
@@ -93,7 +99,8 @@ def campbell(
         senses = data["direction"].values
     else:
         senses = np.full(curves.shape, "none", dtype=object)
-    top = _ROOM * float(np.nanmax(curves, initial=0.0)) or 1.0
+    highest = _ROOM * float(np.nanmax(curves, initial=0.0))
+    top = highest or float(speeds[-1]) * up / across or 1.0  # where no mode oscillates
     lines = {
         f"{harmonic:g}X": harmonic * data["speed"].values * up
         for harmonic in np.atleast_1d(data.attrs["harmonics"])
@@ -113,7 +120,9 @@ def campbell(
             label="critical speed", zorder=4,
         )  # fmt: skip
     ax.set(xlim=(speeds[0], speeds[-1]), ylim=(0.0, top))
-    _name_lines(ax, speeds, lines, top)
+    if not highest:
+        ax.text(0.95, 0.05, "no mode oscillates", transform=ax.transAxes, ha="right", va="bottom")
+    _name_lines(ax, speeds, lines, list(curves.T))
     unit = ("rpm", "Hz") if units == "rpm" else ("rad/s", "rad/s")
     finish_axes(ax, f"speed of the shaft [{unit[0]}]", f"frequency [{unit[1]}]")
     if legend:
@@ -128,32 +137,61 @@ def _pieces(curve: npt.NDArray[Any], here: npt.NDArray[np.bool_]) -> npt.NDArray
     return np.where(beside, curve, np.nan)
 
 
-def _name_lines(ax: Axes, speeds: Any, lines: Mapping[str, Any], top: float) -> None:
-    """Name of each multiple of the speed beside the end of its line, or farther down where free."""
+def _name_lines(
+    ax: Axes, speeds: Floats, lines: Mapping[str, Floats], curves: Sequence[Floats]
+) -> None:
+    """Name of each multiple of the speed beside its line, near its end, where nothing is drawn."""
     size = float(ax.xaxis.label.get_fontsize()) - 1.0
-    taken: list[npt.NDArray[np.float64]] = []
+    dot = ax.figure.dpi / 72.0  # pixels of a point
+    drawn = np.concatenate([_pixels(ax, speeds, each) for each in (*curves, *lines.values())])
+    inside = ax.transAxes.transform([[0.0, 0.0], [1.0, 1.0]])
+    taken: list[Floats] = []
     for name, line in lines.items():
-        end, place = _end_in_the_picture(speeds, line, top)
-        begin = np.array([speeds[0], line[0]])
-        room = np.array([0.8 * len(name), 1.3]) * size * ax.figure.dpi / 72.0  # of its letters
-        for share in np.linspace(1.0, 0.3, _PLACES):
+        begin, end = _ends_in_the_picture(ax, speeds, line)
+        room = dot * size * np.array([0.75 * len(name), 1.25])  # of its letters
+        best: tuple[float, Any, Any, Any] | None = None
+        for share, side in product(np.linspace(1.0, 0.3, _PLACES), (-1.0, 1.0)):
             point = begin + share * (end - begin)
-            at = ax.transData.transform(point)
-            if all((np.abs(at - other) > room).any() for other in taken):
+            near = point + side * dot * _BESIDE * np.array([1.0, -1.0])
+            corner = near + side * room * np.array([1.0, -1.0])
+            box = np.sort([near, corner], axis=0)
+            hits = float(_within(drawn, box, dot * _CLEAR).sum())
+            out = (box[0] < inside[0]).any() or (box[1] > inside[1]).any()
+            over = any(((box[0] < other[1]) & (box[1] > other[0])).all() for other in taken)
+            cost = hits + _NEVER * (float(out) + float(over))
+            if best is None or cost < best[0]:
+                best = cost, point, box, side
+            if not cost:
                 break
-        taken.append(at)
+        assert best is not None
+        _, point, box, side = best
+        taken.append(box)
         ax.annotate(
-            name, point, textcoords="offset points", color="0.35", fontsize=size, **place
+            name, tuple(ax.transData.inverted().transform(point)), textcoords="offset points",
+            xytext=(side * _BESIDE, -side * _BESIDE), ha="left" if side > 0.0 else "right",
+            va="top" if side > 0.0 else "bottom", color="0.35", fontsize=size,
         )  # fmt: skip
 
 
-def _end_in_the_picture(speeds: Any, line: Any, top: float) -> tuple[Any, dict[str, Any]]:
-    """Where a line leaves the picture, and how a text lies beside it there."""
-    inside = np.flatnonzero(line <= top)
-    last = int(inside[-1]) if inside.size else 0
-    if last + 1 == len(speeds):
-        place = {"xytext": (-3.0, 3.0), "ha": "right", "va": "bottom"}
-        return np.array([speeds[last], line[last]]), place
-    share = (top - line[last]) / (line[last + 1] - line[last])
-    x = float(speeds[last] + share * (speeds[last + 1] - speeds[last]))
-    return np.array([x, top]), {"xytext": (3.0, -3.0), "ha": "left", "va": "top"}
+def _pixels(ax: Axes, speeds: Floats, curve: Floats) -> Floats:
+    """Points of a curve on the picture, close to each other."""
+    at = np.linspace(0.0, len(speeds) - 1.0, _FINE)
+    index = np.arange(len(speeds))
+    found = ax.transData.transform(
+        np.column_stack([np.interp(at, index, speeds), np.interp(at, index, curve)])
+    )
+    return np.asarray(found[np.isfinite(found).all(axis=1)])
+
+
+def _within(points: Floats, box: Floats, margin: float) -> npt.NDArray[np.bool_]:
+    """Which points lie in a box, or near it."""
+    return np.asarray(((points > box[0] - margin) & (points < box[1] + margin)).all(axis=1))
+
+
+def _ends_in_the_picture(ax: Axes, speeds: Floats, line: Floats) -> tuple[Floats, Floats]:
+    """Where a line begins and where it leaves the picture, in pixels."""
+    top = ax.get_ylim()[1]
+    last = float(min(speeds[-1], np.interp(top, line, speeds)))
+    ends = [[speeds[0], line[0]], [last, np.interp(last, speeds, line)]]
+    begin, end = ax.transData.transform(ends)
+    return begin, end

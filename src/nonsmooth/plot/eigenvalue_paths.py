@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["root_locus"]
+
+Complex = npt.NDArray[np.complex128]
+Floats = npt.NDArray[np.float64]
 
 _ROOM = 0.06  # of a range, on each side
 _UNSTABLE = "0.93"  # grey
@@ -46,7 +50,8 @@ def root_locus(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes. A circle is where a path begins, a square where it ends.
+        The axes. A circle is where a path begins, a square where it ends. Overdamped motions are
+        on the real axis, which paths of both eigenvalues reach at one place.
 
     Raises
     ------
@@ -74,15 +79,20 @@ def root_locus(
 
     ax = new_axes() if ax is None else ax
     values = data["eigenvalue"].transpose(over, "mode").values
-    rates, heights = values.real, values.imag * (1.0 if units == "rad/s" else 0.5 / np.pi)
+    up = 1.0 if units == "rad/s" else 0.5 / np.pi
+    rates, heights = values.real, values.imag * up
     axis = data[over].values.astype(float)
     colours = growing_colours()
-    points = np.stack([rates, heights], axis=-1)  # value, mode, real and imaginary
+    paths = _joined(values)
+    points = np.stack([paths.real, paths.imag * up], axis=-1)  # value, mode, real and imaginary
     segments = np.concatenate([points[:-1, None], points[1:, None]], axis=1)
     # value, (begin, end), mode, xy: a line for each step of each mode
     lines = segments.transpose(0, 2, 1, 3).reshape(-1, 2, 2)
     middle = np.repeat((axis[:-1] + axis[1:]) / 2.0, values.shape[1])
-    drawn = LineCollection(list(lines), cmap=colours, array=middle, linewidths=1.3, zorder=2)
+    there = np.isfinite(lines).all(axis=(1, 2))
+    drawn = LineCollection(
+        list(lines[there]), cmap=colours, array=middle[there], linewidths=1.3, zorder=2
+    )
     drawn.set_clim(float(axis.min()), float(axis.max()))
     ax.add_collection(drawn)
     for row, marker, name in ((0, "o", "begin"), (-1, "s", "end")):
@@ -99,11 +109,27 @@ def root_locus(
     return ax
 
 
-def _set_limits(ax: Axes, rates: np.ndarray, heights: np.ndarray) -> None:
+def _joined(values: Complex) -> Complex:
+    """Paths that begin or end where a pair of eigenvalues and two real ones become each other.
+
+    There each is drawn up to the pair.
+    """
+    found = values.copy()
+    for each, source in ((found, values), (found[::-1], values[::-1])):  # beginnings, then ends
+        missing = np.isnan(source)
+        for row, mode in np.argwhere(missing[:-1] & ~missing[1:]):
+            pairs = (source[row].imag > 0.0) & (source[row + 1].imag == 0.0)
+            if pairs.any() and source[row + 1, mode].imag == 0.0:
+                apart = np.where(pairs, np.abs(source[row] - source[row + 1, mode]), np.inf)
+                each[row, mode] = source[row, np.argmin(apart)]
+    return found
+
+
+def _set_limits(ax: Axes, rates: Floats, heights: Floats) -> None:
     """All paths and the border of stability."""
-    low, high = min(float(np.nanmin(rates)), 0.0), max(float(np.nanmax(rates)), 0.0)
+    low, high = (float(each(rates, initial=0.0)) for each in (np.nanmin, np.nanmax))
     room = _ROOM * (high - low) or 1.0
-    top = float(np.nanmax(heights)) or 1.0
+    top = float(np.nanmax(heights, initial=0.0)) or 1.0
     ax.set(xlim=(low - room, high + room), ylim=(-_ROOM * top, (1.0 + _ROOM) * top))
     ax.axvspan(0.0, high + room, color=_UNSTABLE, linewidth=0.0, zorder=0)
     ax.axvline(0.0, color="0.4", linewidth=0.6, zorder=1)

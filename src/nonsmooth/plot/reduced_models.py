@@ -64,7 +64,7 @@ def reduction(
     >>> small = ns.structures.reduce(chain, keep=["q39"], frequency_range=(0.0, 10.0))
     >>> ax = ns.plot.reduction(small.estimate)
     >>> ax.get_ylabel(), ax.get_yscale()
-    ('receptance at q39', 'log')
+    ('receptance at q39 [m/N]', 'log')
     """
     missing = [name for name in _NEEDED if name not in data]
     if missing:
@@ -91,7 +91,11 @@ def reduction(
         ax.semilogy(frequency, at["full"], color="0.75", linewidth=3.0, label=full, **dashes)
         ax.semilogy(frequency, at["reduced"], color=PALETTE["blue"], label=reduced, **dashes)
     ax.set_xlim(frequency[0], frequency[-1])
-    label = "relative error" if show == "error" else f"receptance at {coordinate}"
+    label = "relative error"
+    if show == "receptance":
+        label = f"receptance at {coordinate}"
+        if "unit" in data.coords:  # estimates that were saved earlier have none
+            label += f" [{data['unit'].sel(coordinate=coordinate).item()}]"
     finish_axes(ax, "frequency [rad/s]", label)
     if legend and (show != "error" or len(speeds) > 1):
         place_legend(ax)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.arguments import checked
-from nonsmooth.errors import ModelError, quote
+from nonsmooth.errors import ModelError, OptionError, quote
 from nonsmooth.real_numbers import finite_numbers
 from nonsmooth.structures.beam import Beam, Disc, RectangularBeam
 from nonsmooth.structures.bearing import Bearing
@@ -44,9 +44,9 @@ def shaft(
     bearings : sequence of Bearing, optional
         What holds the shaft. Without any it floats.
     damping : tuple of float, optional
-        Factors a and b of Rayleigh's damping :math:`a M + b K` of the elements. It acts in the
-        axes that stand still. Damping inside a turning shaft, which may make it unstable, is
-        something else.
+        Factors a and b of Rayleigh's damping :math:`a M + b K` of the elements, not negative. It
+        acts in the axes that stand still. Damping inside a turning shaft, which may make it
+        unstable, is something else.
     sparse : bool, optional
         Whether the matrices are those of scipy.sparse.
 
@@ -60,6 +60,8 @@ def shaft(
     ------
     ModelError
         When there is no such node or coordinate.
+    OptionError
+        When a factor of the damping is negative.
 
     See Also
     --------
@@ -86,10 +88,10 @@ def shaft(
     >>> rotor
     Structure(28 coordinates: 0x, 0y, 0rx, 0ry, 1x, 1y, ...; 2 bearings)
     """
-    blocks = _blocks()
+    blocks, rayleigh = _blocks(), _rayleigh_factors(damping)
     per = 4
     for i, beam in enumerate(elements):
-        _add(blocks, per * i, beam.mass_matrix(), beam.stiffness_matrix(), damping)
+        _add(blocks, per * i, beam.mass_matrix(), beam.stiffness_matrix(), rayleigh)
         blocks["gyroscopic"].append((per * i, beam.gyroscopic_matrix()))
     for disc in _at_nodes(discs, elements):
         blocks["mass"].append((per * disc.node, disc.mass_matrix()))
@@ -117,7 +119,7 @@ def plane_beam(
     bearings : sequence of Bearing, optional
         Springs and dampers. Without any, and unless `Structure.fixed` holds it, the beam floats.
     damping : tuple of float, optional
-        Factors a and b of Rayleigh's damping :math:`a M + b K` of the elements.
+        Factors a and b of Rayleigh's damping :math:`a M + b K` of the elements, not negative.
     sparse : bool, optional
         Whether the matrices are those of scipy.sparse.
 
@@ -130,6 +132,8 @@ def plane_beam(
     ------
     ModelError
         When there is no such node or coordinate.
+    OptionError
+        When a factor of the damping is negative.
 
     See Also
     --------
@@ -150,10 +154,10 @@ def plane_beam(
     >>> round(1.8751040687**2 * (bending / (strip.density * strip.area * 0.3**4)) ** 0.5, 2)
     116.66
     """
-    blocks = _blocks()
+    blocks, rayleigh = _blocks(), _rayleigh_factors(damping)
     for i, beam in enumerate(elements):
         element = beam._bending
-        _add(blocks, 2 * i, element.mass_matrix(), element.stiffness_matrix(), damping)
+        _add(blocks, 2 * i, element.mass_matrix(), element.stiffness_matrix(), rayleigh)
     for disc in _at_nodes(discs, elements):
         blocks["mass"].append((2 * disc.node, np.diag([disc.mass, disc.diametral_inertia])))
     return _in_a_row(elements, ("x", "ry"), blocks, bearings, sparse)
@@ -180,7 +184,7 @@ def torsional_shaft(
         Torsional springs and dampers, in N m/rad and N m s/rad: couplings, and drag. Without any,
         and unless `Structure.fixed` holds it, the shaft turns freely.
     damping : tuple of float, optional
-        Factors a and b of Rayleigh's damping :math:`a M + b K` of the elements.
+        Factors a and b of Rayleigh's damping :math:`a M + b K` of the elements, not negative.
     sparse : bool, optional
         Whether the matrices are those of scipy.sparse.
 
@@ -194,6 +198,8 @@ def torsional_shaft(
     ------
     ModelError
         When there is no such node or coordinate.
+    OptionError
+        When a factor of the damping is negative.
 
     See Also
     --------
@@ -218,10 +224,10 @@ def torsional_shaft(
     >>> round(float(natural_modes(drive, count=1)["natural_frequency"][0]), 2)
     226.8
     """
-    blocks = _blocks()
+    blocks, rayleigh = _blocks(), _rayleigh_factors(damping)
     for i, beam in enumerate(elements):
         element = beam._torsion
-        _add(blocks, i, element.mass_matrix(), element.stiffness_matrix(), damping)
+        _add(blocks, i, element.mass_matrix(), element.stiffness_matrix(), rayleigh)
     for disc in _at_nodes(discs, elements):
         blocks["mass"].append((disc.node, np.array([[disc.polar_inertia]])))
     return _in_a_row(elements, ("rz",), blocks, bearings, sparse)
@@ -290,9 +296,22 @@ def _blocks() -> Blocks:
     return {name: [] for name in MATRICES}
 
 
-def _add(blocks: Blocks, first: int, mass: Any, stiffness: Any, damping: Any) -> None:
+def _rayleigh_factors(damping: Any) -> tuple[float, float]:
+    """Both factors, by which no motion gains energy."""
+    factors = finite_numbers("damping", damping)
+    if factors.shape != (2,):
+        raise OptionError(f"damping = {quote(damping)}: give two factors, of M and of K")
+    if (factors < 0.0).any():
+        raise OptionError(
+            f"damping = {quote(damping)}: a negative factor would feed energy into motions; give a"
+            " damping that does so as that of a Structure or a Bearing"
+        )
+    return float(factors[0]), float(factors[1])
+
+
+def _add(blocks: Blocks, first: int, mass: Any, stiffness: Any, rayleigh: Any) -> None:
     """An element, with Rayleigh's damping."""
-    a, b = finite_numbers("damping", damping)
+    a, b = rayleigh
     blocks["mass"].append((first, mass))
     blocks["stiffness"].append((first, stiffness))
     blocks["damping"].append((first, a * mass + b * stiffness))

@@ -59,9 +59,10 @@ def check_mass(pencil: Pencil) -> None:
     check_definite(pencil.M)
 
 
-def is_small(pencil: Pencil) -> bool:
-    """Whether all eigenvalues cost as much as a few."""
-    return pencil.structure.size <= _DENSE
+def is_small(pencil: Pencil, count: int = 0) -> bool:
+    """Whether all eigenvalues cost no more than so many."""
+    size = pencil.structure.size
+    return size <= _DENSE or (count > 0 and (2 * count + _GUARD) * 4 > size)
 
 
 def nearest_to_zero(pencil: Pencil, count: int | None) -> Eigenpairs:
@@ -69,7 +70,7 @@ def nearest_to_zero(pencil: Pencil, count: int | None) -> Eigenpairs:
     check_mass(pencil)
     size = pencil.structure.size
     wanted = size if count is None else min(count, 2 * size)
-    if is_small(pencil) or (2 * wanted + _GUARD) * 4 > size:
+    if is_small(pencil, wanted):
         if size > _LARGEST_DENSE:
             raise ModelError(
                 f"count = {count}: of {size} degrees of freedom at most {size // 8 - _GUARD} modes"

@@ -53,8 +53,9 @@ class ReducedStructure:
     estimate : xarray.Dataset or None
         Over ``frequency`` in rad/s and ``speed``: ``error``, the relative error of the receptance
         at the kept coordinates that were asked for, and ``full`` and ``reduced``, sizes of the two
-        receptances for each of these. The forces act on ``input``: these coordinates, and those in
-        ``driven`` of `reduce`. None where no range of frequencies was given.
+        receptances for each of these, in its ``unit``. The forces act on ``input``: these
+        coordinates, and those in ``driven`` of `reduce`. None where no range of frequencies was
+        given.
 
     See Also
     --------

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, quote
 from nonsmooth.real_numbers import finite_numbers, whole_number
-from nonsmooth.structures.coordinates import place_of
+from nonsmooth.structures.coordinates import is_rotation, place_of
 from nonsmooth.structures.matrices import placed
 from nonsmooth.structures.receptance_error import (
     frequencies_between,
@@ -211,6 +211,8 @@ class _Truth:
 
         reduced = self.reduced(found)
         k = self.outputs
+        names = [self.structure.coordinates[i] for i in self.at]
+        units = ["rad/(N m)" if is_rotation(name) else "m/N" for name in names[:k]]
         sizes = [
             np.abs([np.diagonal(each, axis1=1, axis2=2)[:, :k] for each in group])
             for group in (self.full, reduced)
@@ -229,8 +231,9 @@ class _Truth:
                     self.frequencies,
                     {"units": "rad/s", "long_name": "frequency"},
                 ),
-                "coordinate": [self.structure.coordinates[i] for i in self.at[:k]],
-                "input": [self.structure.coordinates[i] for i in self.at],
+                "coordinate": names[:k],
+                "unit": ("coordinate", units, {"long_name": "unit of the receptance"}),
+                "input": names,
             },
             attrs={"size": found.size, "full_size": self.structure.size},
         )

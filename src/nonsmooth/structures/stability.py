@@ -27,7 +27,6 @@ __all__ = ["Decay", "decay_of", "decaying"]
 Array = npt.NDArray[Any]
 
 _ROUNDING = 1e-12  # of a row, by which a matrix that is singular may fail to be definite
-_WHOLE = 8  # share of the eigenvalues from which all of them cost no more
 
 
 class Decay(NamedTuple):
@@ -47,7 +46,7 @@ def decay_of(pencil: Pencil, known: Array) -> Decay:
         if complete or _none_grows_beyond(pencil, float(np.abs(known).max())):
             return Decay(True, zeros)
         more = 2 * len(known)
-        complete = _WHOLE * more > size
+        complete = is_small(pencil, more)
         try:
             known = nearest_to_zero(pencil, None if complete else more).values
         except ModelError:
