@@ -60,7 +60,7 @@ class FollowedModes(NamedTuple):
         )
 
 
-class _Point(NamedTuple):
+class _PathPoint(NamedTuple):
     at: float
     value: complex
     vector: Array
@@ -68,15 +68,15 @@ class _Point(NamedTuple):
 
 
 @dataclass
-class _Path:
+class _EigenvaluePath:
     """One eigenvalue, from row to row."""
 
     asked_for: bool  # one of the slowest that oscillate at the first value
-    points: dict[int, _Point] = field(default_factory=dict)
+    points: dict[int, _PathPoint] = field(default_factory=dict)
     ended: bool = False
 
     @property
-    def last(self) -> _Point:
+    def last(self) -> _PathPoint:
         return next(reversed(self.points.values()))
 
     @property
@@ -143,7 +143,7 @@ class _Follower:
         self.count = count
         self.at: list[float] = []
         self.near: list[Array] = []
-        self.paths: list[_Path] = []
+        self.paths: list[_EigenvaluePath] = []
 
     def go(self, value: float, halvings: int) -> None:
         """Add a row; by way of the middle where it is not clear what becomes of a mode."""
@@ -165,7 +165,7 @@ class _Follower:
         points = [point for path in asked for point in list(path.points.values())[rows]]
         return max(abs(point.value) for point in points)
 
-    def _unclear(self, paths: list[_Path], matches: _Matches, pairs: Eigenpairs) -> bool:
+    def _unclear(self, paths: list[_EigenvaluePath], matches: _Matches, pairs: Eigenpairs) -> bool:
         limit = self._limit(slice(-1, None))
         for path, place, alike in zip(paths, matches.places, matches.likeness, strict=True):
             if path.watched and not alike >= ALIKE:
@@ -177,7 +177,9 @@ class _Follower:
                     return True
         return False
 
-    def _add(self, value: float, pairs: Eigenpairs, paths: list[_Path], matches: _Matches) -> None:
+    def _add(
+        self, value: float, pairs: Eigenpairs, paths: list[_EigenvaluePath], matches: _Matches
+    ) -> None:
         row, first = len(self.at), not self.at
         self.at.append(value)
         self.near.append(pairs.values)
@@ -186,12 +188,12 @@ class _Follower:
                 path.ended = True
                 continue
             at = complex(pairs.values[place])
-            path.points[row] = _Point(value, at, pairs.vectors[:, place], float(alike))
+            path.points[row] = _PathPoint(value, at, pairs.vectors[:, place], float(alike))
         asked = np.flatnonzero(pairs.values.imag > 0.0)[: self.count] if first else ()
         for place in np.setdiff1d(np.arange(len(pairs.values)), matches.places):
             at = complex(pairs.values[place])
-            begin = _Point(value, at, pairs.vectors[:, place], 1.0 if first else np.nan)
-            self.paths.append(_Path(place in asked, {row: begin}))
+            begin = _PathPoint(value, at, pairs.vectors[:, place], 1.0 if first else np.nan)
+            self.paths.append(_EigenvaluePath(place in asked, {row: begin}))
 
     def result(self, overdamped: bool) -> FollowedModes:
         limit = self._limit(slice(None))
@@ -209,7 +211,7 @@ class _Follower:
         return FollowedModes(np.array(self.at), values, vectors, likeness, tuple(self.near))
 
 
-def _matched(paths: list[_Path], value: float, pairs: Eigenpairs, mass: Any) -> _Matches:
+def _matched(paths: list[_EigenvaluePath], value: float, pairs: Eigenpairs, mass: Any) -> _Matches:
     """Which eigenvalues at a value go on with the paths, and how much alike their shapes are."""
     from scipy.optimize import linear_sum_assignment
 
