@@ -122,11 +122,14 @@ def campbell(
     ax.set(xlim=(speeds[0], speeds[-1]), ylim=(0.0, top))
     if not highest:
         ax.text(0.95, 0.05, "no mode oscillates", transform=ax.transAxes, ha="right", va="bottom")
-    _name_lines(ax, speeds, lines, list(curves.T))
     unit = ("rpm", "Hz") if units == "rpm" else ("rad/s", "rad/s")
     finish_axes(ax, f"speed of the shaft [{unit[0]}]", f"frequency [{unit[1]}]")
     if legend:
         place_legend(ax)
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    figure.draw_without_rendering()  # the layout gives the axes their size, and letters have theirs
+    _name_lines(ax, speeds, lines, list(curves.T))
     return ax
 
 
