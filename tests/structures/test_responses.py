@@ -257,6 +257,16 @@ def test_a_wrong_unbalance_is_refused(wrong, says):
         unbalance_response(disc(1.0, 1.0), [1.0], wrong)
 
 
+def test_a_response_of_a_structure_whose_fastest_mode_grows_has_a_warning():
+    """Damping a - b K of a chain of 20 masses, by which all modes but one decay."""
+    stiffness = 2 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
+    fastest = np.linalg.eigvalsh(stiffness)[-2:]
+    damping = 0.01 * (fastest.mean() * np.eye(20) - stiffness)
+    driven = ns.Structure(np.eye(20), stiffness, damping=damping)
+    with pytest.warns(ns.ResultWarning, match=f"the mode of {np.sqrt(fastest[1]):.4g} rad/s, grow"):
+        frequency_response(driven, [0.1], inputs=0, outputs=0)
+
+
 def whirling(speed_of_onset):
     """A disc whose cross-coupling grows with the speed and beats the damping at one."""
     m, c, k = 5.0, 120.0, 2e5

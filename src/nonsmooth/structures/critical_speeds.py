@@ -105,10 +105,10 @@ def campbell(
     there yet, or no longer, its values are not numbers.
 
     A critical speed is sought between two steps at which the difference has different signs, so
-    a curve that crosses a line twice between two speeds needs a finer grid. Those of motions that
-    are nearly overdamped, as of heavy oil in a bearing, are among them; a damping ratio near one
-    says that there is no resonance. There the eigenvalue
-    is found by Newton's method and the speed by Brent's, both to rounding.
+    a curve that crosses a line twice between two speeds needs a finer grid. There the eigenvalue
+    is found by Newton's method and the speed by Brent's, both to rounding. Motions that are nearly
+    overdamped, as of bearings in heavy oil, have critical speeds too; a damping ratio near one says
+    that there is no resonance.
 
     References
     ----------

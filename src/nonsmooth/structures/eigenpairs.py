@@ -59,9 +59,8 @@ def check_mass(pencil: Pencil) -> None:
     check_definite(pencil.M)
 
 
-def is_small(pencil: Pencil, count: int = 0) -> bool:
-    """Whether all eigenvalues cost no more than so many."""
-    size = pencil.structure.size
+def is_small(size: int, count: int = 0) -> bool:
+    """Whether all eigenvalues of so many coordinates cost no more than a number of them."""
     return size <= _DENSE or (count > 0 and (2 * count + _GUARD) * 4 > size)
 
 
@@ -70,7 +69,7 @@ def nearest_to_zero(pencil: Pencil, count: int | None) -> Eigenpairs:
     check_mass(pencil)
     size = pencil.structure.size
     wanted = size if count is None else min(count, 2 * size)
-    if is_small(pencil, wanted):
+    if is_small(size, wanted):
         if size > _LARGEST_DENSE:
             raise ModelError(
                 f"count = {count}: of {size} degrees of freedom at most {size // 8 - _GUARD} modes"

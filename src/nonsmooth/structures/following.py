@@ -132,7 +132,7 @@ def follow(
 
 def nearby(pencil: Pencil, count: int) -> Eigenpairs:
     """Modes among which those are that are followed; of a small structure all."""
-    return nearest_to_zero(pencil, None if is_small(pencil) else 2 * count + _MORE)
+    return nearest_to_zero(pencil, None if is_small(pencil.structure.size) else 2 * count + _MORE)
 
 
 class _Follower:

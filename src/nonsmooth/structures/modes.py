@@ -13,7 +13,7 @@ import xarray as xr
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ResultWarning
 from nonsmooth.real_numbers import whole_number
-from nonsmooth.structures.eigenpairs import nearest_to_zero
+from nonsmooth.structures.eigenpairs import is_small, nearest_to_zero
 from nonsmooth.structures.following import FollowedModes
 from nonsmooth.structures.pencil import Pencil, computing_form
 from nonsmooth.structures.structure import Structure
@@ -31,7 +31,7 @@ __all__ = [
 
 Array = npt.NDArray[Any]
 
-_LOOKED_AT = 8  # modes among which an unstable one is sought: whirl of bearings and seals is slow
+_LOOKED_AT = 8  # modes of a large structure: unstable whirl of bearings and seals is slow
 _ROUNDING = 1e-6  # of a damping ratio, as the modes of fine meshes have it
 
 
@@ -119,8 +119,9 @@ def natural_modes(
 
 
 def _unstable_mode(structure: Structure, speed: float) -> str | None:
-    """Words for the mode of the slowest few that grows most; None where all decay."""
-    modes = natural_modes(structure, speed, count=min(_LOOKED_AT, structure.size))
+    """Words for the mode that grows most, of the slowest few of a large structure; else None."""
+    count = None if is_small(structure.size) else _LOOKED_AT
+    modes = natural_modes(structure, speed, count=count)
     worst = modes.isel(mode=int(np.argmin(modes["damping_ratio"].values)))
     if not worst["damping_ratio"].item() < -_ROUNDING:
         return None

@@ -41,12 +41,13 @@ class Decay(NamedTuple):
 def decay_of(pencil: Pencil, known: Array) -> Decay:
     """By the eigenvalues nearest to zero, which are known, and as many more as it takes."""
     zeros = int((known == 0.0).sum())
-    size, complete = pencil.structure.size, is_small(pencil)
+    size = pencil.structure.size
+    complete = is_small(size)
     while (known[known != 0.0].real < 0.0).all():
         if complete or _none_grows_beyond(pencil, float(np.abs(known).max())):
             return Decay(True, zeros)
         more = 2 * len(known)
-        complete = is_small(pencil, more)
+        complete = is_small(size, more)
         try:
             known = nearest_to_zero(pencil, None if complete else more).values
         except ModelError:
