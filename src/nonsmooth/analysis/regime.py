@@ -179,7 +179,9 @@ def regime(
         it fills a tube, which is a torus that becomes thinner. It must be as thick then as before,
         to a fifth. Where neighbours approach it by one steady rate, that of an area along the
         motion and across it, the tube of such a decay would have to be seen to be thinner by then.
-        The message tells the exponents of both windows.
+        States that lie along one closed curve, which neighbours neither come nearer to nor leave,
+        have one frequency and no torus: they are ``unsettled``. The message tells the exponents of
+        both windows.
     ``limit-cycle``
         Nothing drives the system, strobes do not repeat as the motion has a period of its own, and
         neighbours approach it: the exponent across it is below zero, or no perturbation across it

@@ -57,15 +57,10 @@ def intensity(stress_intensity: StressIntensity, load: Any, crack: Any) -> Array
             f"stress_intensity = {quote(stress_intensity)}: give a function of the load in N and"
             " the crack in mm, such as Specimen().stress_intensity"
         )
-    try:
-        value = stress_intensity(load, crack)
-    except NonsmoothError:
-        raise
-    except Exception as error:
-        raise OptionError(
-            f"stress_intensity: the function fails {_shapes('loads', load, 'cracks', crack)} with"
-            f" {type(error).__name__}: {error}; {_WRITE}"
-        ) from error
+    value = _asked(
+        stress_intensity, load, crack, fails="stress_intensity: the function fails",
+        where=_shapes("loads", load, "cracks", crack), cure=_WRITE,
+    )  # fmt: skip
     try:
         found = real_numbers(value)
     except (TypeError, ValueError, OverflowError):
@@ -96,15 +91,11 @@ def cycle_growth(
     """Growth in mm of cycles between a smallest and a largest load, each at its length."""
     low, high = (intensity(stress_intensity, load, crack) for load in loads)
     size, ratio = effective_range(low, high, closure)
-    try:
-        growth = law.rate(size, ratio)
-    except NonsmoothError:
-        raise
-    except Exception as error:  # a law of the user's
-        raise OptionError(
-            f"law: its rate fails {_shapes('ranges', size, 'load ratios', ratio)} with"
-            f" {type(error).__name__}: {error}; write it with numpy, so that it takes arrays"
-        ) from error
+    growth = _asked(
+        law.rate, size, ratio, fails="law: its rate fails",
+        where=_shapes("ranges", size, "load ratios", ratio),
+        cure="write it with numpy, so that it takes arrays",
+    )  # fmt: skip
     try:
         found = real_numbers(growth)
     except (TypeError, ValueError, OverflowError):
@@ -115,6 +106,18 @@ def cycle_growth(
             " numpy, so that there is one growth for each range"
         )
     return found
+
+
+def _asked(function: Callable[..., Any], *given: Any, fails: str, where: str, cure: str) -> Any:
+    """What a function of the user's gives; an error that names it where it fails."""
+    try:
+        return function(*given)
+    except NonsmoothError:
+        raise
+    except Exception as error:
+        raise OptionError(
+            f"{fails} {where} with {type(error).__name__}: {error}; {cure}"
+        ) from error
 
 
 def _shapes(first: str, one: Any, second: str, two: Any) -> str:
@@ -166,15 +169,11 @@ def growth_rate(
 
 def block_at(loads: Any, crack: float) -> LoadBlock:
     """Block that a function of the crack gives."""
-    try:
-        block = loads(float(crack))
-    except NonsmoothError:
-        raise
-    except Exception as error:
-        raise OptionError(
-            f"loads: the function fails at a crack of {crack:.6g} mm with {type(error).__name__}:"
-            f" {error}; it takes one length in mm, and gives a LoadBlock for each"
-        ) from error
+    block = _asked(
+        loads, float(crack), fails="loads: the function fails",
+        where=f"at a crack of {crack:.6g} mm",
+        cure="it takes one length in mm, and gives a LoadBlock for each",
+    )  # fmt: skip
     if not isinstance(block, LoadBlock):
         raise OptionError(f"loads({crack:.6g}) gave {quote(block)}; it has to give a LoadBlock")
     return block
