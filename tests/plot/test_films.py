@@ -7,11 +7,13 @@ import sys
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 import nonsmooth as ns
 from nonsmooth.errors import OptionError
 from nonsmooth.plot.film_files import _pictures
+from nonsmooth.plot.film_panels import HistoryPanel
 
 
 def pixels(film, frame, dpi=50):
@@ -178,6 +180,14 @@ def test_another_portrait_and_another_drawing(struck):
     assert machine.get_title(loc="left") == "a dot"
     assert portrait.get_xlabel() == "velocity of the mass"
     assert history.get_title(loc="left") == "velocity of the mass"  # as that of the portrait
+
+
+def test_an_index_of_a_unit_stands_below_the_line_in_the_strip(struck):
+    run = struck.copy()
+    run["v"].attrs["units"] = "A_b"
+    ax = Figure().add_subplot()
+    HistoryPanel(run, run, "v", ax)
+    assert ax.get_title(loc="left") == "velocity of the mass [$A_{b}$]"
 
 
 def test_systems_without_a_machine_and_with_one_state():

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from nonsmooth.drawings import ROLES, DrawnShape, Frames
 from nonsmooth.plot.histories import draw_lines, mode_label
 from nonsmooth.plot.portrait import phase_portrait
-from nonsmooth.plot.style import axis_label, finish_axes, mode_colours
+from nonsmooth.plot.style import axis_label, finish_axes, mode_colours, wrapped
 from nonsmooth.plot.trace import curve
 
 if TYPE_CHECKING:
@@ -123,8 +123,8 @@ class HistoryPanel:
         draw_lines(run, [variable], ax, None, {})
         finish_axes(ax, axis_label(run["time"]), "")
         # beside so low a panel there is no room for more than a word
-        size = ax.xaxis.label.get_fontsize()
-        ax.set_title(axis_label(run[variable]), loc="left", fontsize=size)
+        size = float(ax.xaxis.label.get_fontsize())
+        ax.set_title(wrapped(axis_label(run[variable]), np.inf, size), loc="left", fontsize=size)
         self._time = of_frames["time"].values
         self._cursor = ax.axvline(self._time[0], color=_ALERT, linewidth=1.2)
         self.artists: list[Artist] = [self._cursor]
