@@ -1,4 +1,6 @@
 import os
+import signal
+import time
 
 import pytest
 import xarray as xr
@@ -206,6 +208,37 @@ def test_interruption(call, monkeypatch):
     result = call("simulate", "moling")
     assert result.exit_code == 130
     assert values(result.stdout)["status"] == "interrupted by the user"
+
+
+def test_what_follows_an_interruption_is_told(call, monkeypatch, tmp_path, interrupts):
+    """A picture of a long run takes its time; a second Ctrl-C ends it, and leaves no file."""
+
+    def interrupted(system, initial, **options):
+        run = ns.simulate(system, initial, **options)
+        run.attrs |= {"status": "interrupted", "message": "interrupted by the user"}
+        return run
+
+    monkeypatch.setattr(command, "_run", interrupted)
+    monkeypatch.chdir(tmp_path)
+    first = call("simulate", "moling", "--save", "run.nc", "--plot", "run.png")
+    assert first.exit_code == 130
+    assert first.stderr == (
+        "nonsmooth: interrupted; what is done goes into run.nc and run.png; Ctrl-C again leaves"
+        " them unwritten\n"
+    )
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["run.nc", "run.png"]
+
+    def pressed_again(*arguments, **options):
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(30.0)
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", pressed_again)
+    second = call("simulate", "moling", "--plot", "again.png")
+    assert second.exit_code == 130
+    told = second.stderr.splitlines()
+    assert told[0].endswith("goes into again.png; Ctrl-C again leaves it unwritten")
+    assert told[1:] == ["nonsmooth: interrupted"]
+    assert not (tmp_path / "again.png").exists()
 
 
 def test_interruption_outside_the_run(call, monkeypatch):

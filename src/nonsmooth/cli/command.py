@@ -439,6 +439,10 @@ class Task:
             report.print_json()
         else:
             report.print()
+        drawn = code != INTERRUPTED or result is None or all(result.sizes.values())
+        pictured = self.plot is not None and bool(self._panels) and drawn
+        if code == INTERRUPTED:
+            self._announce(saved=result is not None, drawn=pictured)
         if self.save is not None and result is not None:
             from nonsmooth.files import replacing
 
@@ -447,8 +451,7 @@ class Task:
             kept = str(self.save)
         if kept is not None:
             self.say(f"saved {kept}")
-        drawn = code != INTERRUPTED or result is None or all(result.sizes.values())
-        if self.plot is not None and self._panels and drawn:
+        if self.plot is not None and pictured:
             self._draw(self.plot)
         if self.film is not None and self._animation is not None:
             from nonsmooth import plot
@@ -457,6 +460,19 @@ class Task:
             self.say(f"drawn {self.film}")
         if code:
             raise click.exceptions.Exit(code)
+
+    def _announce(self, *, saved: bool, drawn: bool) -> None:
+        """Say what follows an interruption: who pressed Ctrl-C waits for the prompt."""
+        filmed = self.film is not None and self._animation is not None
+        left = [str(self.save)] * (self.save is not None and saved)
+        left += [str(self.plot)] * drawn + [str(self.film)] * filmed
+        if left:
+            files = " and ".join(left)
+            click.echo(
+                f"nonsmooth: interrupted; what is done goes into {files}; Ctrl-C again leaves"
+                f" {'it' if len(left) == 1 else 'them'} unwritten",
+                err=True,
+            )
 
     def _draw(self, file: Path) -> None:
         from nonsmooth import plot
