@@ -13,9 +13,10 @@ import xarray as xr
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ResultWarning
 from nonsmooth.real_numbers import whole_number
-from nonsmooth.structures.eigenpairs import is_small, nearest_to_zero
+from nonsmooth.structures.eigenpairs import nearest_to_zero
 from nonsmooth.structures.following import FollowedModes
 from nonsmooth.structures.pencil import Pencil, computing_form
+from nonsmooth.structures.stability import growth_of
 from nonsmooth.structures.structure import Structure
 from nonsmooth.structures.whirl import directions_of, whirl_of
 from nonsmooth.version import __version__
@@ -31,7 +32,7 @@ __all__ = [
 
 Array = npt.NDArray[Any]
 
-_LOOKED_AT = 8  # modes of a large structure: unstable whirl of bearings and seals is slow
+_LOOKED_AT = 8  # modes of a large structure at first: unstable whirl of bearings is slow
 _ROUNDING = 1e-6  # of a damping ratio, as the modes of fine meshes have it
 
 
@@ -118,39 +119,41 @@ def natural_modes(
     return xr.Dataset(variables, coordinates, attrs)
 
 
-def _unstable_mode(structure: Structure, speed: float) -> str | None:
-    """Words for the mode that grows most, of the slowest few of a large structure; else None."""
-    count = None if is_small(structure.size) else _LOOKED_AT
-    modes = natural_modes(structure, speed, count=count)
+def _unstable_mode(structure: Structure, speed: float) -> tuple[str | None, str]:
+    """Words for the mode that grows most, or None; and words where it is not told of all."""
+    pencil = Pencil(computing_form(structure), speed)
+    found = growth_of(pencil, _ROUNDING, _LOOKED_AT)
+    if not found.grows:
+        return None, found.untold
+    modes = natural_modes(structure, speed, count=found.modes)
     worst = modes.isel(mode=int(np.argmin(modes["damping_ratio"].values)))
-    if not worst["damping_ratio"].item() < -_ROUNDING:
-        return None
     whirl = f", {worst['direction'].item()}" if "direction" in worst else ""
     rate, frequency = worst["eigenvalue"].item().real, worst["damped_frequency"].item()
     return (
         f"the mode of {frequency:.4g} rad/s{whirl}, grows as exp({rate:.3g} t) at a speed of"
         f" {speed:.6g} rad/s"
-    )
+    ), ""
 
 
 def warn_if_unstable(structure: Structure, axis: Array) -> None:
     """Tell of an instability at the ends of some speeds, and where it begins on the way up."""
     at = len(axis) - 1
-    words = _unstable_mode(structure, float(axis[at]))
+    words, untold = _unstable_mode(structure, float(axis[at]))
     if words is None:
-        words = _unstable_mode(structure, float(axis[0]))
+        words, more = _unstable_mode(structure, float(axis[0]))
+        untold = untold or more
     else:
         stable = -1
         while at - stable > 1:
             middle = (at + stable) // 2
-            found = _unstable_mode(structure, float(axis[middle]))
+            found, _ = _unstable_mode(structure, float(axis[middle]))
             at, stable, words = (at, middle, words) if found is None else (middle, stable, found)
     if words is not None:
-        warnings.warn(
-            f"structure: {words}; motions leave this response, which is that of a settled one",
-            ResultWarning,
-            stacklevel=4,
-        )
+        words += "; motions leave this response, which is that of a settled one"
+    elif untold:
+        words = f"{untold}; motions may leave this response"
+    if words is not None:
+        warnings.warn(f"structure: {words}", ResultWarning, stacklevel=4)
 
 
 def normalised(vectors: Array) -> Array:

@@ -76,7 +76,8 @@ def frequency_response(
     Warns
     -----
     ResultWarning
-        When the structure is unstable at a speed: a motion then grows away from its response.
+        When the structure is unstable at a speed: a motion then grows away from its response. Or
+        when it has too many modes to tell, and negative damping.
 
     See Also
     --------

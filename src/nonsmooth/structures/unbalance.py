@@ -64,7 +64,7 @@ def unbalance_response(structure: Structure, speeds: Sequence[float], unbalance:
     -----
     ResultWarning
         When the structure is unstable at the last or at the first speed: a motion then grows away
-        from this response.
+        from this response. Or when it has too many modes to tell, and negative damping.
 
     See Also
     --------
