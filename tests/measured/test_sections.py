@@ -321,3 +321,16 @@ SCALED = ns.measured.dimensionless(RECORD, length=0.5, natural_frequency=90.0)
 def test_wrong_use(make, message):
     with pytest.raises(OptionError, match=message):
         make(ns.measured)
+
+
+def test_samples_far_beyond_those_of_the_record_are_told():
+    """Of 100 samples in a revolution orders up to 50 are known, however many are taken."""
+    t = np.arange(500) / 100.0
+    record = ns.measured.from_arrays({"x": np.cos(2 * np.pi * t)}, times=t, marks=np.arange(5.0))
+    with pytest.warns(
+        ns.ResultWarning,
+        match=r"samples_per_period = 1000000: the record itself has 100 in its slowest revolution; "
+        r".* orders beyond 50 are of the interpolation: give 100 or fewer",
+    ):
+        ns.measured.synchronous(record, 10**6)
+    ns.measured.synchronous(record, 400)  # no warning

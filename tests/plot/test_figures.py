@@ -107,3 +107,47 @@ def test_all_is_sorted_and_there():
     names = ns.plot.__all__
     assert names == sorted(names, key=lambda name: (not name.isupper(), name))
     assert all(hasattr(ns.plot, name) for name in names)
+
+
+SIDES = {
+    "width": ({"width": 1e9}, r"width = 1e\+09 must be from 0.5 to 500, in cm"),
+    "thin": ({"width": 1e-9}, "width = 1e-09 must be from 0.5"),
+    "height": ({"height": 600}, "height = 600 must be from 0.5 to 500"),
+    "rows": ({"rows": 10**9}, "rows = 1000000000: axes would have no room; give at most 100"),
+    "text": ({"width": "8 cm"}, "width = '8 cm' is not a finite number"),
+}
+
+
+@pytest.mark.parametrize("case", SIDES)
+def test_a_figure_of_no_size_is_refused(case):
+    options, words = SIDES[case]
+    with pytest.raises(ns.OptionError, match=words):
+        ns.plot.print_figure(**options)
+
+
+def test_whole_numbers_of_axes_may_be_floats():
+    assert len(ns.plot.print_figure(2.0, 1.0)[1]) == 2
+
+
+def test_an_image_of_too_many_dots_is_told(tmp_path):
+    """Agg has 16 bits for each side; 4800 dots per inch reach them at 34.7 cm."""
+    figure, _ = ns.plot.print_figure(width=40.0, height=5.0)
+    with pytest.raises(ns.OptionError, match=r"40 cm long, which are 75591 dots; .* dpi = 4161 or"):
+        ns.plot.save_figure(figure, tmp_path / "banner.png", dpi=4800)
+
+
+def test_sizes_of_points_and_lines_are_positive_and_not_huge():
+    points = ns.stroboscopic_map(ns.models.soft_impact(), record=20)
+    for draw in (ns.plot.section, ns.plot.transient_section):
+        with pytest.raises(ns.OptionError, match=r"size = 1e\+09 is a diameter in typographic po"):
+            draw(points, "x", "v", size=1e9)
+    spectra = ns.waterfall(ns.models.soft_impact(), "omega", [0.7, 0.8], "x", transient=0, record=8)
+    for height in (0.0, -1.0):
+        with pytest.raises(ns.OptionError, match=f"height = {height:g} must be positive"):
+            ns.plot.waterfall(spectra, height=height)
+
+
+def test_a_film_of_one_frame_names_both_ways_to_more():
+    run = ns.simulate(ns.models.soft_impact(), periods=2)
+    with pytest.raises(ns.OptionError, match="slow_down than 4, or more frames_per_second than 1e"):
+        ns.plot.animate(run, frames_per_second=1e-9)

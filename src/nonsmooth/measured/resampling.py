@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import warnings
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import OptionError, ResultWarning
 from nonsmooth.measured.marking import check_marked
 from nonsmooth.measured.quality.masks import masked, masks_at
 from nonsmooth.measured.record import check_record
@@ -24,6 +25,8 @@ from nonsmooth.runs.options import whole_number
 
 __all__ = ["synchronous"]
 
+_FINER = 4  # times as many samples as the record has: more show the interpolation only
+_ROUNDING = 1e-9  # of a number of samples
 _BESIDE = 16  # numbers beside the variables that are held for each sample while it is made
 
 
@@ -38,7 +41,9 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     record : xarray.Dataset
         Result of `read_csv` or `from_arrays`, with `velocities` where they are wanted.
     samples_per_period : int, optional
-        Samples per revolution; more than the record has add nothing.
+        Samples per revolution; more than the record has add nothing. Of fewer, half their number is
+        the highest order that they show, and higher ones fold into it: take these out before, by
+        `low_pass`.
 
     Returns
     -------
@@ -53,6 +58,12 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     OptionError
         When the record has no marks, less than a revolution is left, or the samples would fill the
         memory.
+
+    Warns
+    -----
+    ResultWarning
+        When there are more than four times as many samples as the record has in its slowest
+        revolution: nearly all of them are interpolated.
 
     See Also
     --------
@@ -79,6 +90,7 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     _check_room(record, count)
     times, number, speeds = revolutions_of(record, np.arange(count) / count)
     start, rate = float(record["time"][0]), float(record.attrs["sample_rate"])
+    _tell_of_interpolation(count, 2.0 * math.pi / float(speeds.min()) * rate)
     places = (times - start) * rate
     here = inside(places, record.sizes["time"])
     if here.sum() < count:
@@ -117,6 +129,19 @@ def synchronous(record: xr.Dataset, samples_per_period: int = 64) -> xr.Dataset:
     )  # fmt: skip
     flags = masks_at(record, first_samples(places[k], record.sizes["time"]), 4)
     return masked(found, flags) if flags else found
+
+
+def _tell_of_interpolation(count: int, most: float) -> None:
+    """Tell where a record has far fewer samples in any revolution than are asked for."""
+    whole = math.ceil(most * (1.0 - _ROUNDING))
+    if count > _FINER * whole:
+        warnings.warn(
+            f"samples_per_period = {count}: the record itself has {most:.3g} in its slowest"
+            " revolution; the others are interpolated between them, and orders beyond"
+            f" {0.5 * most:.3g} are of the interpolation: give {whole} or fewer",
+            ResultWarning,
+            stacklevel=3,
+        )
 
 
 def _check_room(record: xr.Dataset, count: int) -> None:

@@ -13,6 +13,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, quote, unknown_choice
 from nonsmooth.plot.figures import new_axes
 from nonsmooth.plot.style import PALETTE, axis_label, colour_bar, finish_axes
+from nonsmooth.runs.options import positive_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,6 +108,8 @@ def waterfall(
             " waterfall or order_tracking"
         )
     check_drawing({"kind": kind, "over": over})
+    if height is not None:
+        positive_number("height", height)
     ax = new_axes() if ax is None else ax
     data = data.isel(parameter=np.isfinite(data["period"].values)).sortby("parameter")
     if data.sizes["parameter"] == 0:

@@ -10,7 +10,7 @@ from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
 from nonsmooth.files import check_target, replacing
 from nonsmooth.plot.style import PALETTE
-from nonsmooth.runs.options import positive_number, whole_number
+from nonsmooth.runs.options import whole_number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +20,9 @@ __all__ = ["FIGURE_STYLE", "divided", "new_axes", "print_figure", "save_figure",
 
 _CENTIMETRES = 1.0 / 2.54  # in inches
 _COARSEST, _FINEST = 10, 4800  # dots per inch
+_SIDES = 0.5, 500.0  # in cm: of an icon, and of a banner
+_MOST_AXES = 100  # in a row, and below each other
+_MOST_DOTS = 2**16 - 1  # along a side of an image
 _TEXT, _SMALL = 8.0, 7.0  # points; journals ask for at least 6 to 7 after reduction
 # of curves that a caller draws: told apart with every kind of colour vision; yellow is faint
 _COLOURS = [colour for name, colour in PALETTE.items() if name != "yellow"]
@@ -65,6 +68,11 @@ def print_figure(
     axes : list of matplotlib.axes.Axes
         Its axes, row by row.
 
+    Raises
+    ------
+    OptionError
+        For more than 100 rows or columns, or sides that are not from 0.5 to 500 cm.
+
     Examples
     --------
     >>> import nonsmooth as ns
@@ -75,12 +83,13 @@ def print_figure(
     import matplotlib
     from matplotlib.figure import Figure
 
-    for name, count in (("rows", rows), ("columns", columns)):
-        whole_number(name, count)
-    positive_number("width", width)
+    rows, columns = (
+        _checked_count(name, count) for name, count in (("rows", rows), ("columns", columns))
+    )
+    _check_side("width", width)
     if height is None:
         height = 0.75 * width * rows / columns
-    positive_number("height", height)
+    _check_side("height", height)
     size = (width * _CENTIMETRES, height * _CENTIMETRES)
     with matplotlib.rc_context(FIGURE_STYLE):
         figure = Figure(figsize=size, layout="constrained")
@@ -89,6 +98,22 @@ def print_figure(
     for ax in axes:
         set_ticks(ax)
     return figure, axes
+
+
+def _checked_count(name: str, value: int) -> int:
+    count = whole_number(name, value)
+    if count > _MOST_AXES:
+        raise OptionError(
+            f"{name} = {count}: axes would have no room; give at most {_MOST_AXES}, or make"
+            " several figures"
+        )
+    return count
+
+
+def _check_side(name: str, value: float) -> None:
+    least, most = _SIDES
+    if not least <= value <= most:
+        raise OptionError(f"{name} = {value:g} must be from {least:g} to {most:g}, in cm")
 
 
 def new_axes(projection: str | None = None, *, width: float = 8.0, height: float = 6.0) -> Any:
@@ -161,7 +186,7 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> Path
     Raises
     ------
     OptionError
-        For another suffix or a folder that does not exist.
+        For another suffix, a folder that does not exist, or an image of too many dots.
 
     Examples
     --------
@@ -180,6 +205,13 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: float = 300.0) -> Path
         )
     target = check_target(path, (".png", ".pdf", ".svg"))
     kind = target.suffix.lower()[1:]
+    longest = max(figure.get_size_inches())
+    if kind == "png" and longest * dpi > _MOST_DOTS:
+        raise OptionError(
+            f"dpi = {dpi:g}: the figure is {longest / _CENTIMETRES:.4g} cm long, which are"
+            f" {longest * dpi:.0f} dots; an image has at most {_MOST_DOTS}, so give dpi ="
+            f" {int(_MOST_DOTS / longest)} or less, or write a .pdf"
+        )
     # without its date the same figure gives the same file
     metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind, {})
     # in pieces of this many points a long line is drawn three times as fast

@@ -77,7 +77,8 @@ def pace_of(
     count = math.floor(frames * (1.0 + _BY_SAMPLE)) + 1
     if count < _FEWEST:
         raise OptionError(
-            f"slow_down = {slow_down:g}: the film would have one frame; give a larger one"
+            f"the film would have one frame: give a larger slow_down than {slow_down:g}, or more"
+            f" frames_per_second than {frames_per_second:g}"
         )
     step = unit / (slow_down * frames_per_second)
     fine = math.ceil(_PER_PERIOD * step / unit if period else _WHOLE / count)

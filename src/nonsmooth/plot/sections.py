@@ -28,11 +28,12 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["diameter_of", "section"]
+__all__ = ["checked_diameter", "diameter_of", "section"]
 
 # diameter in points by the number of places with a point: single ones are seen, many leave
 # gaps between them
 _SIZES = ((200, 3.0), (2_000, 1.6), (DENSE, 0.9), (200_000, 0.5))
+_WIDEST = 100.0  # points: half of a column's width
 _SMALLEST = 0.3  # a little more than a pixel of a print at 300 dots per inch
 _PLACES = 1_000  # per side
 
@@ -100,7 +101,7 @@ def section(
         )
     across, up = points[x].values.ravel(), points[y].values.ravel()
     ax = new_axes() if ax is None else ax
-    diameter = diameter_of(across, up) if size is None else positive_number("size", size)
+    diameter = diameter_of(across, up) if size is None else checked_diameter(size)
     flagged = are_flagged(points, [x, y]).ravel()
     sets = {"": ~flagged}
     colours = {"": LINES[0]["color"]}
@@ -130,6 +131,16 @@ def _check_variable(points: xr.Dataset, name: str) -> None:
     known = [str(v) for v in (*points.data_vars, *points.coords) if points[v].dtype.kind in "fiub"]
     if name not in known:
         raise OptionError(unknown_name("variable", name, known))
+
+
+def checked_diameter(size: float) -> float:
+    """Diameter of points that a caller gives."""
+    if positive_number("size", size) > _WIDEST:
+        raise OptionError(
+            f"size = {size:g} is a diameter in typographic points, 0.35 mm; give at most"
+            f" {_WIDEST:g}"
+        )
+    return float(size)
 
 
 def diameter_of(across: npt.NDArray[np.float64], up: npt.NDArray[np.float64]) -> float:

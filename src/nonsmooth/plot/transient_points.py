@@ -10,10 +10,9 @@ import numpy.typing as npt
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.plot.figures import new_axes
-from nonsmooth.plot.sections import diameter_of
+from nonsmooth.plot.sections import checked_diameter, diameter_of
 from nonsmooth.plot.style import axis_label, colour_bar, finish_axes, growing_colours
 from nonsmooth.plot.trace import DENSE
-from nonsmooth.runs.options import positive_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,7 +104,7 @@ def transient_section(
     (1, 1)
     """
     if size is not None:
-        positive_number("size", size)
+        checked_diameter(size)
     across, up, values = _columns(points, (x, y, colour))
     stretches = [] if labels is None else _stretches(points, labels)
     ax = new_axes() if ax is None else ax

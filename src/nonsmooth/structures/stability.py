@@ -28,7 +28,7 @@ from nonsmooth.structures.eigenpairs import is_small, nearest_to_zero
 from nonsmooth.structures.matrices import is_definite, is_sparse
 from nonsmooth.structures.pencil import Pencil
 
-__all__ = ["Decay", "Growth", "decay_of", "decaying", "growth_of"]
+__all__ = ["Decay", "ModeGrowth", "decay_of", "decaying", "growth_of"]
 
 Array = npt.NDArray[Any]
 
@@ -44,7 +44,7 @@ class Decay(NamedTuple):
     """How many are zero: motions without a restoring force."""
 
 
-class Growth(NamedTuple):
+class ModeGrowth(NamedTuple):
     """What the eigenvalues of a structure say of motions that leave its responses."""
 
     grows: bool
@@ -66,7 +66,7 @@ def decay_of(pencil: Pencil, known: Array) -> Decay:
     return Decay(not grows(found), int((known == 0.0).sum()))
 
 
-def growth_of(pencil: Pencil, ratio: float, count: int) -> Growth:
+def growth_of(pencil: Pencil, ratio: float, count: int) -> ModeGrowth:
     """Whether a motion grows by more than a share of its frequency, from so many modes on."""
 
     def grows(values: Array) -> bool:
@@ -75,7 +75,7 @@ def growth_of(pencil: Pencil, ratio: float, count: int) -> Growth:
     small = is_small(pencil.structure.size)
     known = nearest_to_zero(pencil, None if small else count).values
     found, told = _until_told(pencil, known, grows, ratio)
-    return Growth(grows(found), len(found), "" if told else _untold(pencil, found))
+    return ModeGrowth(grows(found), len(found), "" if told else _untold(pencil, found))
 
 
 def _until_told(

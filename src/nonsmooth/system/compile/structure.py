@@ -8,11 +8,11 @@ depend on parameter values, so all systems with the same texts share one, whethe
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from threading import Lock
-from typing import Any
+from typing import Any, NamedTuple
 
 from nonsmooth.errors import ModelError, quote
 from nonsmooth.system.algebra.graph import Graph
@@ -32,7 +32,7 @@ from nonsmooth.system.equations.resolve import Resolver
 from nonsmooth.system.equations.switching import Declared, switching_function
 from nonsmooth.system.parts import Text
 from nonsmooth.system.surfaces import Surface
-from nonsmooth.system.text.expressions import Expression, name_set
+from nonsmooth.system.text.expressions import Call, Expression, name_set, walk
 from nonsmooth.system.text.grammar import parse_condition
 
 __all__ = ["SystemStructure", "structure_of"]
@@ -73,6 +73,7 @@ class SystemStructure:
         self.surfaces = {
             equations.name: self._declared(system, equations, every) for equations in modes
         }
+        self.clips = tuple(_clips(self.graph, modes))
         self.families = families_of(self.graph, modes, self.surfaces, _facts(system))
         self._check_used(system.surfaces)
         self.modes = self._running(cell_labels(system.modes, self.families))
@@ -282,6 +283,30 @@ def _slow(
                     " out what it stands for, or give the constant part a parameter of its own"
                 )
     return nodes
+
+
+class ClipBounds(NamedTuple):
+    """Bounds of a ``clip`` that parameters alone give, and where it stands."""
+
+    where: str
+    low: Expression
+    high: Expression
+
+
+def _clips(graph: Graph, modes: Iterable[ModeEquations]) -> Iterator[ClipBounds]:
+    """Bounds of all calls of ``clip`` that do not move, each pair of them once."""
+    seen = set()
+    for equations in modes:
+        resolver = Resolver(graph, equations, {}, strict=False)
+        for equation in (*equations.definitions.values(), *equations.all()):
+            for node in walk(equation.tree):
+                if not isinstance(node, Call) or node.function != "clip":
+                    continue
+                bounds = [resolver.tree(replace(equation, tree=b)) for b in node.arguments[1:]]
+                if any(map(graph.moves, bounds)) or tuple(bounds) in seen:
+                    continue
+                seen.add(tuple(bounds))
+                yield ClipBounds(equation.where, *bounds)
 
 
 def _facts(system: SystemData) -> tuple[Inequality, ...]:

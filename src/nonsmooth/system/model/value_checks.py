@@ -22,7 +22,7 @@ from nonsmooth.system.compile.structure import SystemStructure
 from nonsmooth.system.model.evaluated import EvaluatedSystem, not_finite
 from nonsmooth.system.parts import Text
 from nonsmooth.system.text.evaluate import constant_value, evaluate
-from nonsmooth.system.text.expressions import Expression, Name, names_in, to_text
+from nonsmooth.system.text.expressions import Expression, Name, Number, names_in, to_text
 from nonsmooth.system.text.grammar import parse_condition
 
 __all__ = [
@@ -79,6 +79,7 @@ def check_values(system: EvaluatedSystem) -> None:
             if guard is not None and way not in at_rest:
                 _check_guard(f"modes[{name!r}], exit {way!r}", guard, values)
     _check_finite(system)
+    _check_clips(system)
     _check_holds(system)
     _check_angles(system)
     _ = system.rest_state
@@ -116,6 +117,22 @@ def _check_finite(system: EvaluatedSystem) -> None:
     for (where, coefficient), value in zip(structure.coefficients, values, strict=True):
         if not math.isfinite(value):
             raise ModelError(not_finite(where, coefficient, value))
+
+
+def _check_clips(system: EvaluatedSystem) -> None:
+    """Lower bounds of ``clip`` are not above the upper ones."""
+    for where, low, high in system.structure.clips:
+        least, most = (constant_value(bound, system.parameter_values) for bound in (low, high))
+        if least > most:
+            said = [
+                f"{number:g}" if isinstance(bound, Number) else f"{to_text(bound)} = {number:g}"
+                for bound, number in ((low, least), (high, most))
+            ]
+            raise ModelError(
+                f"{where}: clip from {said[0]} to {said[1]} for the parameters given; the lower"
+                " bound stands first and is not above the upper one: give other values, or swap"
+                " the bounds"
+            )
 
 
 def _check_holds(system: EvaluatedSystem) -> None:
@@ -219,6 +236,8 @@ def sure_values(system: EvaluatedSystem, sets: Mapping[str, npt.NDArray[np.float
             sure &= (value > 0.0) & np.isfinite(value)
         for value in structure.coefficient_values.values(known):
             sure &= np.isfinite(value)
+        for _, low, high in structure.clips:
+            sure &= number(low) <= number(high)
         for _, _, hold in _held(system):
             sure &= number(hold) >= 1.0
         for equation in structure.initial.values():
