@@ -292,3 +292,18 @@ def test_a_soft_wall_makes_no_corners():
     kinds = curves["border_kind"].values
     assert kinds.size >= 3 and set(kinds) == {"smooth"}
     assert curves["border_gap"].values.max() < 1e-11
+
+
+@pytest.mark.parametrize("apart", [-1e-9, 0.0, 1e-9])
+def test_the_plus_side_of_a_direction_with_equal_components(apart):
+    """(1, -1 - apart/2) leaves the orbit: of two equal components the first is positive."""
+    system = ns.System(
+        states=["x", "y"],
+        parameters={"b": 0.3},
+        equations={"x": "cos(2*pi*t) - b*y", "y": f"-b*(1 + {apart!r})*x"},
+        period=1,
+    )
+    orbit = ns.find_orbit(system, {"x": 0.0, "y": 0.0})
+    curves = ns.manifold(system, orbit, length=1.0, side="+")
+    way = np.array([curves[name].values[-1] - orbit[name].item() for name in ("x", "y")])
+    np.testing.assert_allclose(way / np.linalg.norm(way), [np.sqrt(0.5), -np.sqrt(0.5)], atol=1e-6)

@@ -58,7 +58,8 @@ def manifold(
         Length of each curve, in scaled states.
     side : {"both", "+", "-"}, optional
         Curves to both sides of the orbit, or to one. The plus side is that to which the largest
-        component of the direction, in scaled states, is positive.
+        component of the direction, in scaled states, is positive; of components that are equal to
+        within 1e-6 of the largest, the first.
     scales : mapping of str to float, optional
         Sizes by which states are divided before lengths and angles are measured, 1 without it.
         Give them where states have very different sizes, as in SI units.

@@ -13,6 +13,7 @@ from nonsmooth.fitting.discrepancy import Discrepancy, discrepancies_of
 from nonsmooth.fitting.linearised import free_jacobian
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted, minimise
+from nonsmooth.leading_entry import leading_entry
 
 __all__ = [
     "Direction",
@@ -140,7 +141,7 @@ def open_directions(shooting: Shooting, covariance: Floats) -> list[Direction]:
         if not square > _OPEN**2:
             break
         parts = np.zeros(shooting.h)
-        parts[bounded] = vector * np.sign(vector[np.abs(vector).argmax()])
+        parts[bounded] = vector * np.sign(vector[leading_entry(vector)])
         parts[np.abs(parts) < _PART] = 0.0
         found.append(Direction(parts, float(np.sqrt(square))))
     return found

@@ -9,6 +9,7 @@ import numpy as np
 
 from nonsmooth.arguments import checked
 from nonsmooth.errors import OptionError
+from nonsmooth.leading_entry import leading_entry
 from nonsmooth.plot.figures import divided, new_axes
 from nonsmooth.plot.legends import place_legend
 from nonsmooth.plot.style import LINES, finish_axes
@@ -135,7 +136,7 @@ def _draw(panel: Axes, mode: xr.Dataset, groups: Any, positions: Any) -> None:
     first = None
     for style, (direction, pairs) in zip(LINES, directions.items(), strict=False):
         at, values = places[[node for node, _ in pairs]], shape[[i for _, i in pairs]]
-        largest = values[np.argmax(np.abs(values))]
+        largest = complex(values[leading_entry(values)])
         instant = np.angle(largest)
         if first is not None and _is_against(largest * np.exp(-1j * first)):
             instant += np.pi

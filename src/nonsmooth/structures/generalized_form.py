@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError
+from nonsmooth.leading_entry import leading_entry
 from nonsmooth.structures.state_names import state_name
 from nonsmooth.structures.structure import Structure
 
@@ -73,7 +74,7 @@ def generalized_form(model: ReducedModel, states: tuple[str, ...]) -> Generalize
         shapes = np.linalg.solve(rows @ rows.T, rows).T
         held = qr(rows.T)[0][:, k:]
         modes = held @ eigh(held.T @ (squares[:, None] * held))[1]
-        largest = np.argmax(np.abs(modes), axis=0)
+        largest = leading_entry(modes)
         turn = np.hstack([shapes, modes * np.sign(modes[largest, np.arange(modes.shape[1])])])
     basis = model.basis @ turn
     if states:

@@ -12,6 +12,7 @@ import xarray as xr
 
 from nonsmooth.arguments import checked
 from nonsmooth.errors import ResultWarning
+from nonsmooth.leading_entry import leading_entry
 from nonsmooth.real_numbers import whole_number
 from nonsmooth.structures.eigenpairs import nearest_to_zero
 from nonsmooth.structures.following import FollowedModes
@@ -159,10 +160,7 @@ def warn_if_unstable(structure: Structure, axis: Array) -> None:
 def normalised(vectors: Array) -> Array:
     """Shapes whose largest entry is one."""
     columns = np.arange(vectors.shape[1])
-    # the first of those that are equally large but for rounding, so that pictures do not flip
-    size = np.abs(vectors)
-    largest = np.argmax(size > (1.0 - 1e-9) * size.max(axis=0), axis=0)
-    return vectors / vectors[largest, columns]
+    return vectors / vectors[leading_entry(vectors), columns]
 
 
 def eigenvalue_variables(dims: Any, values: Array) -> dict[str, Any]:

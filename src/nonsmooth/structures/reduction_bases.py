@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import ModelError
+from nonsmooth.leading_entry import leading_entry
 from nonsmooth.structures.matrices import check_definite, dense, is_sparse
 
 __all__ = ["Bases", "CraigBampton", "FreeInterface", "NaturalModes"]
@@ -40,7 +41,7 @@ class NaturalModes:
         if count > self._squares.size:
             few = self.size <= _DENSE or 2 * count > self.size
             squares, shapes = self._all() if few else self._lowest(count)
-            largest = np.argmax(np.abs(shapes), axis=0)
+            largest = leading_entry(shapes)
             self._shapes = shapes * np.sign(shapes[largest, np.arange(squares.size)])
             self._squares = np.maximum(squares, 0.0)
         return self._squares[:count], self._shapes[:, :count]

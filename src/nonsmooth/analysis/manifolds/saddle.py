@@ -14,6 +14,7 @@ from nonsmooth.analysis.manifolds.local_map import Coordinates, LocalMap
 from nonsmooth.analysis.orbit_search.options import period_of, system_of_one
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError, RunWarning, quote, unknown_name
+from nonsmooth.leading_entry import leading_entry
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import finite_number
 from nonsmooth.runs.poincare_map import PoincareMap
@@ -33,6 +34,7 @@ _STEPS = 20  # of Newton's method
 _CLOSED = 1e-9  # beside the states: what a point of the orbit may leave open
 _NEUTRAL = 1e-9  # distance from the unit circle that rounding may make
 _REAL = 1e-9  # beside a multiplier: imaginary part that rounding may make
+_TIED = 1e-6  # beside the largest entry of a direction: more than an unstable orbit's rounding
 _FLAT = 1e-8  # beside the size: how far images may lie off the plane of the directions
 
 
@@ -298,9 +300,9 @@ def _directed(here: LocalMap, jacobian: Floats, which: str) -> SaddlePoint:
 
 
 def _oriented(vector: Floats) -> Floats:
-    """The unit vector whose largest entry is positive."""
+    """The unit vector whose largest entry is positive; of equal ones, the first."""
     vector = vector / np.linalg.norm(vector)
-    found: Floats = vector * np.sign(vector[np.argmax(np.abs(vector))])
+    found: Floats = vector * np.sign(vector[leading_entry(vector, _TIED)])
     return found
 
 

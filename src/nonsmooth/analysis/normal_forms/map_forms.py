@@ -15,6 +15,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.leading_entry import leading_entry
+
 __all__ = [
     "Critical",
     "critical",
@@ -58,7 +60,7 @@ def critical(jacobian: Floats, sizes: Floats, target: complex | None) -> Critica
     q, p = np.conj(right[-1]), left[:, -1]
     # the largest entry real and positive, so that numbers do not depend on the library
     whole = q * sizes
-    largest = whole[np.argmax(np.abs(whole))]
+    largest = whole[leading_entry(whole)]
     q = q * np.conj(largest) / (abs(largest) * np.linalg.norm(whole))
     p = p / np.conj(np.vdot(p, q))
     rest = np.delete(values, place)
