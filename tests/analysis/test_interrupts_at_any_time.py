@@ -9,9 +9,9 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.analysis.exponents import exponent_run, horizon
 from nonsmooth.engine.status import Status
+from nonsmooth.progress import Progress
 from nonsmooth.runs import strobe_runner
 from nonsmooth.runs.clock import Instant
-from nonsmooth.runs.progress import Progress
 
 lyapunov_module = import_module("nonsmooth.analysis.lyapunov_spectrum")
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.runs.progress import Progress
+from nonsmooth.progress import Progress
 from periodic_orbits.references import cycles
 from periodic_orbits.references.rigid_wall import RigidWall
 from periodic_orbits.sampler import mole_penetration

@@ -21,10 +21,10 @@ from nonsmooth.analysis.pictures.columns import Column, follow_numbers, settle_c
 from nonsmooth.analysis.pictures.picture_dataset import picture_dataset
 from nonsmooth.analysis.statistics.escape import said_of_chaos
 from nonsmooth.errors import ModelError, OptionError, is_known, unknown_name
+from nonsmooth.progress import Progress
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.packed_datasets import pack_dataset, unpack_dataset
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.compile.clock_states import clock_states
 from nonsmooth.system.system import System

@@ -32,8 +32,8 @@ from nonsmooth.periodic_orbits.orbit import OrbitRequest
 from nonsmooth.periodic_orbits.restart import guess_of_dataset, is_orbit
 from nonsmooth.periodic_orbits.search import equations_for, other_ways, search_orbit, solve_guess
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart
+from nonsmooth.progress import HeldInterrupts, Progress
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
-from nonsmooth.runs.progress import HeldInterrupts, Progress
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import carried_parameters
 from nonsmooth.runs.strobe_times import is_driven

@@ -29,8 +29,8 @@ from nonsmooth.periodic_orbits.restart import guess_of_dataset
 from nonsmooth.periodic_orbits.special_condition import OF_UNIT_CIRCLE, CurveOptions
 from nonsmooth.periodic_orbits.special_curve import SpecialCurve
 from nonsmooth.periodic_orbits.stretch import BranchOptions
+from nonsmooth.progress import HeldInterrupts, Progress
 from nonsmooth.runs.options import finite_number, whole_number
-from nonsmooth.runs.progress import HeldInterrupts, Progress
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.system import System

@@ -24,10 +24,10 @@ from nonsmooth.analysis.edges.track import Spans, follow_edge
 from nonsmooth.analysis.options import SharedOptions, check_match
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.errors import OptionError
+from nonsmooth.progress import Progress
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import positive_number, whole_number
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import check_carried, resolve_start
 from nonsmooth.runs.whole_turns import periods_of_states

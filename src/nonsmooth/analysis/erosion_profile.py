@@ -19,9 +19,9 @@ from nonsmooth.analysis.measures.integrity_measures import read_axis_scales
 from nonsmooth.analysis.options import SharedOptions, check_values, refuse_fixed
 from nonsmooth.analysis.pictures.columns import Column, settle_columns
 from nonsmooth.errors import ModelError, OptionError, is_known, quote
+from nonsmooth.progress import Progress
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.store import check_store, part_of_store
 
 __all__ = ["erosion_profile"]

@@ -16,11 +16,11 @@ from nonsmooth.analysis.manifolds.saddle import with_sides_of
 from nonsmooth.analysis.manifolds.tangency import Both, Tangency, bumps_of, touch
 from nonsmooth.analysis.options import SharedOptions, refuse_fixed, result_attributes
 from nonsmooth.errors import ModelError, OptionError, is_known, quote, unknown_name
+from nonsmooth.progress import Progress
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import finite_number, positive_number, whole_number
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
 

@@ -23,6 +23,7 @@ from nonsmooth.analysis.returns.reduced_map import (
 )
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError, ResultWarning, quote
+from nonsmooth.progress import Progress
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.first_mode import explain_misfit
 from nonsmooth.runs.labels import labels_of
@@ -31,7 +32,6 @@ from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.poincare_map import PoincareMap
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.start import Start
 
 if TYPE_CHECKING:

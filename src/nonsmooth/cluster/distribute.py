@@ -10,9 +10,9 @@ from typing import Any
 from nonsmooth.cluster.executors import executor_of, is_lost, lost_workers, submit
 from nonsmooth.cluster.task_progress import is_folder_of_tasks, task_progress
 from nonsmooth.errors import OptionError, quote
+from nonsmooth.progress import Progress
 from nonsmooth.runs.crew import check_threads
 from nonsmooth.runs.options import whole_number
-from nonsmooth.runs.progress import Progress
 
 __all__ = ["distribute"]
 

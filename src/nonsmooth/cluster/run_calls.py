@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, ResultWarning, quote
+from nonsmooth.progress import Progress
 from nonsmooth.runs.claims import Claims
 from nonsmooth.runs.options import check_flag
 from nonsmooth.runs.packed_datasets import pack_dataset, unpack_dataset
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.protocols import plain
 from nonsmooth.runs.store import Store, task_key
 from nonsmooth.system.system import System

@@ -22,10 +22,10 @@ from nonsmooth.cluster.progress import progress_of
 from nonsmooth.cluster.tile_map import tile_map
 from nonsmooth.cluster.tile_store import TileStore
 from nonsmooth.errors import NonsmoothError, OptionError, ResultWarning, quote
+from nonsmooth.progress import Progress
 from nonsmooth.runs.claims import Claims
 from nonsmooth.runs.crew import Stopped, check_threads, run_tasks
 from nonsmooth.runs.options import check_flag, positive_number, whole_number
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.store import trouble
 from nonsmooth.runs.sweep_runner import SweepRunner
 

@@ -13,6 +13,7 @@ from nonsmooth.fatigue.growth_laws import GrowthLaw
 from nonsmooth.fatigue.growth_rate import StressIntensity, check_law, cycle_growth
 from nonsmooth.fatigue.life import _lengths, life_dataset
 from nonsmooth.fatigue.load_block import LoadBlock
+from nonsmooth.progress import Progress
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,6 +22,7 @@ __all__ = ["life_by_cycle"]
 
 _FIRST_MANY, _MANY = 64, 65536  # cycles at once
 _ROUNDS, _EASY = 12, 7  # after which fewer cycles are taken at once, and below which more
+_HUNDRED = 100.0  # per cent, as a bar tells them
 _SAME = 4.0 * np.finfo(float).eps
 
 
@@ -96,7 +98,21 @@ def life_by_cycle(
     first, last = _lengths(initial, final)
     most = _whole(most_cycles)
     march = _CycleMarch(stress_intensity, law, loads, closure, last)
-    size = loads.count.size
+    with Progress("growth of the crack", _HUNDRED) as bar:
+        lengths, blocks = _grown(march, first, last, most, bar)
+    times = blocks * loads.duration
+    return life_dataset(lengths, times, _mean_rate(lengths, times), loads, {
+        "ended": "final length", "law": repr(law), "source": str(getattr(law, "source", "")),
+        "closure": closure_text(closure), "initial": first, "final": last,
+        "method": "cycle by cycle",
+    })  # fmt: skip
+
+
+def _grown(
+    march: _CycleMarch, first: float, last: float, most: int, bar: Progress
+) -> tuple[Array, Array]:
+    """Lengths at the ends of blocks, from the first one on, and numbers of blocks until then."""
+    size = march.block_size
     cracks, blocks, crack, n = [np.array([first])], [np.array([0.0])], first, 0
     while crack < last:
         if n == most:
@@ -117,12 +133,9 @@ def life_by_cycle(
             blocks.append(np.array([(n + whole + part) / size]))
             break
         crack, n = float(path[-1]), n + whole
-    lengths, times = np.concatenate(cracks), np.concatenate(blocks) * loads.duration
-    return life_dataset(lengths, times, _mean_rate(lengths, times), loads, {
-        "ended": "final length", "law": repr(law), "source": str(getattr(law, "source", "")),
-        "closure": closure_text(closure), "initial": first, "final": last,
-        "method": "cycle by cycle",
-    })  # fmt: skip
+        # by the length, or by the cycles that are allowed where it hardly grows
+        bar.update(_HUNDRED * max((crack - first) / (last - first), n / most))
+    return np.concatenate(cracks), np.concatenate(blocks)
 
 
 def _whole(most: Any) -> int:
@@ -162,6 +175,7 @@ class _CycleMarch:
         self._intensity, self._law, self._closure = stress_intensity, law, closure
         self._loads, self._last = loads, last
         self._at_once = _FIRST_MANY
+        self.block_size = loads.count.size
 
     def cycles_from(self, n: int, crack: float, most: int) -> Array:
         """The length before cycle ``n`` and those after it and after some that follow.

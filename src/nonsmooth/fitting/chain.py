@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, RunError
-from nonsmooth.runs.progress import Progress
+from nonsmooth.progress import Progress
 from nonsmooth.runs.store import Store
 
 __all__ = ["Chain", "Density", "Proposal", "draw_chain", "require_emcee"]

@@ -14,8 +14,8 @@ from collections.abc import Callable, Collection, Mapping
 from queue import Empty, SimpleQueue
 from typing import Any, TypeVar
 
+from nonsmooth.progress import Progress
 from nonsmooth.runs.options import whole_number
-from nonsmooth.runs.progress import Progress
 
 __all__ = ["Later", "Stopped", "check_threads", "run_tasks"]
 

@@ -43,11 +43,11 @@ from nonsmooth.engine.record import Rows
 from nonsmooth.engine.status import SETUP_ERRORS, Certificate, EventKind, Status
 from nonsmooth.engine.tables import MAX_AUGMENTED, Tables, allocate_tables, set_up
 from nonsmooth.errors import ModelError
+from nonsmooth.progress import HeldInterrupts, Progress
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.event_log import FIRST_CAPACITY, EventLog, LentRoom
 from nonsmooth.runs.history import History
 from nonsmooth.runs.options import positive_number, whole_number
-from nonsmooth.runs.progress import HeldInterrupts, Progress
 from nonsmooth.system.system import System
 
 __all__ = [

@@ -11,10 +11,10 @@ import numpy.typing as npt
 from nonsmooth.engine.record import Rows, columns
 from nonsmooth.engine.status import Certificate, EventKind, Status
 from nonsmooth.engine.tables import Tables, exits_of_path, members
+from nonsmooth.progress import Progress
 from nonsmooth.runs.clock import Instant, Plan
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.outputs import SampleClock, output_values
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.runner import NoMode, Outcome, run_plan
 from nonsmooth.runs.start import Start
 from nonsmooth.runs.stillness import Stillness, looks_along

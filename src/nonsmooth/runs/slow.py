@@ -35,11 +35,11 @@ from nonsmooth.engine.lanes import (
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables, allocate_stack, set_up
 from nonsmooth.errors import ModelError, OptionError
+from nonsmooth.progress import HeldInterrupts, Progress
 from nonsmooth.runs.clock import Instant, Plan, instants
 from nonsmooth.runs.event_log import FIRST_CAPACITY, EventLog
 from nonsmooth.runs.history import Frozen, History
 from nonsmooth.runs.options import finite_number
-from nonsmooth.runs.progress import HeldInterrupts, Progress
 from nonsmooth.runs.runner import (
     NO_DERIVATIVES,
     UNLIMITED,

@@ -31,8 +31,8 @@ from nonsmooth.engine.attractors import visit
 from nonsmooth.engine.lanes import ANY, SAME
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
+from nonsmooth.progress import Progress
 from nonsmooth.runs.options import whole_number
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.section_runner import NEVER_CROSSES
 from nonsmooth.system.system import System
 

@@ -38,7 +38,7 @@ from nonsmooth.analysis.basins.recurrences import Known, new_visits
 from nonsmooth.analysis.basins.region import Grid
 from nonsmooth.engine.attractors import visit
 from nonsmooth.engine.lanes import ANY, SAME
-from nonsmooth.runs.progress import Progress
+from nonsmooth.progress import Progress
 
 __all__ = ["by_cell_shares", "closed_classes", "end_shares", "transitions"]
 

@@ -33,9 +33,9 @@ from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.engine.attractors import Landmarks, visit
 from nonsmooth.engine.status import Status
 from nonsmooth.errors import OptionError
+from nonsmooth.progress import Progress
 from nonsmooth.runs.crew import Stopped
 from nonsmooth.runs.devices import device_for
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.stored_tasks import run_stored_tasks
 
 __all__ = [

@@ -17,10 +17,10 @@ from nonsmooth.analysis.exponents.growth import Growth
 from nonsmooth.analysis.statistics.block_averages import block_averages
 from nonsmooth.engine.status import Status
 from nonsmooth.engine.tables import Tables
+from nonsmooth.progress import Progress
 from nonsmooth.runs.clock import Instant
 from nonsmooth.runs.first_mode import in_first_mode
 from nonsmooth.runs.impacts import impacts_of
-from nonsmooth.runs.progress import Progress
 from nonsmooth.runs.runner import Derivatives
 from nonsmooth.runs.start import Start
 from nonsmooth.runs.tangent_flow import TangentFlow

@@ -11,9 +11,9 @@ from nonsmooth.analysis.manifolds.saddle import Saddle, check_plane
 from nonsmooth.analysis.manifolds.stable import grow_stable
 from nonsmooth.analysis.manifolds.unstable import grow_unstable
 from nonsmooth.errors import OptionError, is_known, quote
+from nonsmooth.progress import HeldInterrupts, Progress
 from nonsmooth.runs.options import positive_number as positive
 from nonsmooth.runs.options import whole_number
-from nonsmooth.runs.progress import HeldInterrupts, Progress
 
 __all__ = ["SIDES", "check_choice", "grow_curves", "read_spacing"]
 

@@ -29,7 +29,7 @@ from nonsmooth.periodic_orbits.newton import solve_orbit
 from nonsmooth.periodic_orbits.orbit import Orbit, OrbitRequest
 from nonsmooth.periodic_orbits.search import equations_for, is_autonomous, solve_guess
 from nonsmooth.periodic_orbits.word import Word
-from nonsmooth.runs.progress import HeldInterrupts, Progress
+from nonsmooth.progress import HeldInterrupts, Progress
 from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 
 __all__ = ["Collected", "HowToCollect", "collect_orbits"]

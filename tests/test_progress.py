@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.runs import crew, progress
-from nonsmooth.runs.progress import Progress
+from nonsmooth import progress
+from nonsmooth.progress import Progress
+from nonsmooth.runs import crew
 
 STRUCK = ns.models.soft_impact()
 SLOPING = ns.System(
@@ -40,6 +41,13 @@ LONG = {
     ),
     "orbits": lambda: ns.orbits(STRUCK, guesses=2, **FEW),
     "return_map": lambda: ns.return_map(ns.PoincareMap(STRUCK, "v"), "x", (0.0, 1.0), samples=3),
+    "life_by_cycle": lambda: ns.fatigue.life_by_cycle(
+        lambda load, crack: load * np.sqrt(np.pi * crack * 1e-3),
+        ns.fatigue.Paris(C=1e-8, m=4.0),
+        ns.fatigue.LoadBlock.constant_amplitude(100.0, 100.0, frequency=20.0),
+        initial=2.0,
+        final=10.0,
+    ),
     "smoothing_report": lambda: ns.smoothing_report(SLOPING, (0.1, 0.01), periods=400, samples=200),
 }
 
@@ -83,3 +91,10 @@ def test_the_bar_of_one_task_does_not_claim_a_share(monkeypatch):
             bar.update(0)
             time.sleep(0.01)
             assert bar._bar.tasks[0].total == known
+
+
+def test_the_bar_of_a_growing_crack_comes_to_its_end(monkeypatch):
+    told = []
+    monkeypatch.setattr(Progress, "update", lambda bar, done: told.append(done / bar.total))
+    LONG["life_by_cycle"]()
+    assert np.all(np.diff(told) > 0.0) and 0.0 < told[0] < 0.2 and 0.5 < told[-1] < 1.0
