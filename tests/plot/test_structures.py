@@ -50,8 +50,9 @@ def test_a_campbell_diagram_has_every_point_in_the_colour_of_its_whirl(diagram, 
             if sense in points:
                 y = diagram["damped_frequency"].values[i, mode]
                 assert has_point(points[sense], speed * across, y * up)
-    circles = next(line for line in ax.lines if line.get_marker() == "o").get_xydata()
+    circles = np.concatenate([each.get_xydata() for each in ax.lines if each.get_marker() == "o"])
     assert len(circles) == diagram.sizes["critical"] >= 4
+    circles = circles[np.argsort(circles[:, 0], kind="stable")]
     np.testing.assert_allclose(circles[:, 0], diagram["critical_speed"] * across)
     np.testing.assert_allclose(
         circles[:, 1], diagram["critical_speed"] * diagram["critical_harmonic"] * up
@@ -244,3 +245,17 @@ def test_a_root_locus_shows_overdamped_motions_on_the_real_axis(damping):
     heights = segments[:, :, 1]
     down = (heights[:, 0] > 0.0) & (heights[:, 1] == 0.0)
     assert down.sum() == (2 if damping == 15.0 else 0)
+
+
+def test_critical_speeds_of_great_damping_are_pale():
+    """One mode of a damping ratio of 0.05, and one of 0.5, whose damped frequency is lower."""
+    both = ns.Structure(
+        np.eye(2), np.diag([1e4, 4e4]), damping=np.diag([10.0, 200.0]), coordinates=["1x", "2x"]
+    )
+    found = campbell(both, [0.0, 150.0, 300.0])
+    ax = ns.plot.campbell(found)
+    marks = {line.get_label(): line for line in ax.lines if line.get_marker() == "o"}
+    assert list(marks) == ["critical speed", "critical, damping ratio above 0.2"]
+    for line, ratio in zip(marks.values(), (0.05, 0.5), strict=True):
+        (at,) = np.flatnonzero(np.isclose(found["critical_damping_ratio"], ratio))
+        assert line.get_xdata() == pytest.approx([found["critical_speed"].values[at]])

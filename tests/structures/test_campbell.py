@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 
 import nonsmooth as ns
-from nonsmooth.structures import Beam, Bearing, Disc, campbell, shaft
+from nonsmooth.structures import Beam, Bearing, Disc, campbell, shaft, unbalance_response
 
 MASS, TILTING, POLAR, SPRING, TURNING = 5.0, 0.06, 0.1, 2e5, 3e3
 
@@ -237,6 +237,30 @@ def test_critical_speeds_of_motions_that_are_overdamped_at_rest():
     assert found["critical_direction"].values.tolist() == ["backward", "forward"]
     rates = found["critical_eigenvalue"].values.real
     np.testing.assert_allclose(rates, [-c / (2 + g), -c / (2 - g)], rtol=1e-12)
+    # both are damped beyond any resonance
+    ratios = [math.sin(math.atan2(c / (2 + s), at)) for s, at in zip((g, -g), exact, strict=True)]
+    np.testing.assert_allclose(found["critical_amplification"], 0.5 / np.array(ratios), rtol=1e-11)
+    assert (found["critical_amplification"] < 2.5).all()
+
+
+def test_the_amplification_factor_of_what_does_not_decay_is_infinite():
+    assert np.isinf(campbell(jeffcott(), [10.0, 300.0])["critical_amplification"]).any()
+
+
+def test_the_amplification_factor_is_that_of_the_unbalance_response():
+    """The critical speed over the width of the peak at half power, for small damping."""
+    ratio = 0.01
+    disc = ns.Structure(
+        [[1.0, 0.0], [0.0, 1.0]], 1e4 * np.eye(2), damping=200.0 * ratio * np.eye(2),
+        coordinates=["1x", "1y"],
+    )  # fmt: skip
+    speeds = np.linspace(90.0, 110.0, 20001)
+    amplitude = unbalance_response(disc, speeds, (1, 1e-4))["amplitude"].sel(coordinate="1x")
+    wide = speeds[amplitude.values >= amplitude.values.max() / math.sqrt(2.0)]
+    found = campbell(disc, [0.0, 90.0, 150.0])
+    measured = found["critical_speed"][0] / (wide[-1] - wide[0])
+    # terms of the order of the squared damping are left out, and steps of the speeds
+    assert found["critical_amplification"][0] == pytest.approx(float(measured), rel=20 * ratio**2)
 
 
 def damped_gyroscopic(rng, n=4):

@@ -58,15 +58,12 @@ def _add_critical_speeds(report: Report, result: xr.Dataset) -> None:
         ("order", "harmonic", "{:g}".format),
         ("mode", "mode", str),
         ("damping ratio", "damping_ratio", "{:.3g}".format),
+        ("amplification", "amplification", "{:.3g}".format),
         ("whirl", "direction", str),
     ]
-    names = ("speed", "harmonic", "mode", "damping_ratio", "direction")
-    rows = [
-        (float(speed), float(speed) * _RPM, float(harmonic), int(mode), float(ratio), str(sense))
-        for speed, harmonic, mode, ratio, sense in zip(
-            *(result[f"critical_{name}"].values for name in names), strict=True
-        )
-    ]
+    names = ("speed", "harmonic", "mode", "damping_ratio", "amplification", "direction")
+    found = zip(*(result[f"critical_{name}"].values.tolist() for name in names), strict=True)
+    rows = [(speed, speed * _RPM, *others) for speed, *others in found]
     report.table("critical speeds", columns, rows, _MOST_TOLD)
 
 

@@ -37,6 +37,7 @@ _LABELS = {
     "straight": "straight",
     "none": "mode",
 }
+_WELL_DAMPED = 0.2  # an amplification factor of 2.5, below which there is hardly a resonance
 _RPM, _HERTZ = 30.0 / math.pi, 0.5 / math.pi
 _ROOM = 1.12  # above the highest curve
 _PLACES = 29  # along a line at which its name may stand
@@ -70,7 +71,8 @@ def campbell(
     -------
     matplotlib.axes.Axes
         The axes. Curves are blue in forward whirl, red and dashed in backward whirl, grey where
-        nodes move on lines; circles are critical speeds, thin lines the speed and its multiples.
+        nodes move on lines; circles are critical speeds, pale where the damping ratio is above 0.2
+        and the amplification factor below 2.5; thin lines are the speed and its multiples.
 
     Raises
     ------
@@ -114,11 +116,18 @@ def campbell(
             ax.plot(speeds, piece, **style, label="" if i else _LABELS[sense])
     if data.sizes["critical"]:
         at = data["critical_speed"].values
-        ax.plot(
-            at * across, data["critical_harmonic"].values * at * up, linestyle="none", marker="o",
-            markersize=4.0, markerfacecolor="white", markeredgecolor="black", markeredgewidth=0.8,
-            label="critical speed", zorder=4,
-        )  # fmt: skip
+        height = data["critical_harmonic"].values * at * up
+        damped = data["critical_damping_ratio"].values > _WELL_DAMPED
+        for here, edge, label in (
+            (~damped, "black", "critical speed"),
+            (damped, "0.6", f"critical, damping ratio above {_WELL_DAMPED:g}"),
+        ):
+            if here.any():
+                ax.plot(
+                    at[here] * across, height[here], linestyle="none", marker="o", markersize=4.0,
+                    markerfacecolor="white", markeredgecolor=edge, markeredgewidth=0.8,
+                    label=label, zorder=4,
+                )  # fmt: skip
     ax.set(xlim=(speeds[0], speeds[-1]), ylim=(0.0, top))
     if not highest:
         ax.text(0.95, 0.05, "no mode oscillates", transform=ax.transAxes, ha="right", va="bottom")

@@ -74,7 +74,8 @@ def campbell(
         ``direction``, as in `natural_modes`, and ``mac``, the modal assurance criterion of a shape
         with that at the speed before. Over ``critical``, by speed: ``critical_speed`` in rad/s,
         the number ``critical_mode`` of the mode, ``critical_harmonic``, the complex
-        ``critical_eigenvalue``, ``critical_damping_ratio`` and ``critical_direction``.
+        ``critical_eigenvalue``, ``critical_damping_ratio``, ``critical_amplification`` and
+        ``critical_direction``.
 
     Raises
     ------
@@ -106,12 +107,21 @@ def campbell(
 
     A critical speed is sought between two steps at which the difference has different signs, so
     a curve that crosses a line twice between two speeds needs a finer grid. There the eigenvalue
-    is found by Newton's method and the speed by Brent's, both to rounding. Motions that are nearly
-    overdamped, as of bearings in heavy oil, have critical speeds too; a damping ratio near one says
-    that there is no resonance.
+    is found by Newton's method and the speed by Brent's, both to rounding.
+
+    Motions that are nearly overdamped, as of bearings in heavy oil, have critical speeds too, but
+    no resonance is left at a damping ratio near one. ``critical_amplification``
+    is :math:`1/(2\zeta)`, infinite where the mode does not decay. For small damping it is the
+    amplification factor that is read from a measured response to unbalance, the critical speed over
+    the width of its peak at half power. By API 617 a critical speed with a factor below 2.5, a
+    damping ratio above 0.2, counts as critically damped, and needs no separation from the speeds of
+    operation.
 
     References
     ----------
+    API Standard 617, Axial and Centrifugal Compressors and Expander-compressors, 8th edition 2014:
+    lateral analysis, amplification factors and separation margins.
+
     H. D. Nelson and J. M. McVaugh, "The dynamics of rotor-bearing systems using finite elements",
     Journal of Engineering for Industry 98 (1976), 593-600.
 
@@ -252,6 +262,8 @@ class _Between:
 def _critical_variables(found: list[_Crossing]) -> dict[str, Any]:
     values = np.array([each.value for each in found], dtype=complex)
     damping = eigenvalue_variables("critical", values)["damping_ratio"][1]
+    with np.errstate(divide="ignore"):
+        amplification = np.where(damping > 0.0, 0.5 / np.maximum(damping, 0.0), np.inf)
     whirl = np.array([each.whirl for each in found], dtype=float)
     columns: dict[str, tuple[Any, str, str]] = {
         "critical_speed": (np.array([each.speed for each in found]), "critical speed", "rad/s"),
@@ -259,6 +271,7 @@ def _critical_variables(found: list[_Crossing]) -> dict[str, Any]:
         "critical_harmonic": (np.array([each.harmonic for each in found]), "harmonic", "1"),
         "critical_eigenvalue": (values, "eigenvalue at the critical speed", "rad/s"),
         "critical_damping_ratio": (damping, "damping ratio at the critical speed", "1"),
+        "critical_amplification": (amplification, "amplification factor", "1"),
         "critical_direction": (directions_of(whirl), "sense of whirl", ""),
     }
     return {
