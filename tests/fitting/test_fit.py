@@ -1,5 +1,7 @@
 """Fits of records that another integrator or a closed form has made."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import synthetic_motions as machines
@@ -461,6 +463,18 @@ def test_a_fit_keeps_the_units_of_the_record():
         assert found[name].attrs["units"] == "um"
     assert found["time"].attrs["units"] == found["segment_time"].attrs["units"] == "s"
     assert found["channel_units"].values.tolist() == ["um"]
+
+
+def test_a_fit_says_what_each_channel_shows():
+    """The words of the record, else those of the model for what it observes."""
+    ramp, record = line()
+    ramp = dataclasses.replace(ramp, describe={"x": "height of the ramp [m]"})
+    record["probe"], record["sum"] = record["x"], record["x"]
+    record["x"].attrs["long_name"] = "reading of the scale"
+    shown = {"x": "x", "probe": "x", "sum": "x + k - k"}
+    found = ns.fit(ramp, record, {"k": (-5, 5)}, shown, starts=1, segments=1)
+    said = dict(zip(found["channel"].values, found["channel_quantity"].values, strict=True))
+    assert said == {"x": "reading of the scale", "probe": "height of the ramp", "sum": ""}
 
 
 def test_channels_in_units_of_their_own_have_no_common_one():

@@ -194,6 +194,9 @@ def test_axes_have_the_units_of_the_record(found):
     (panel,) = [each for each in ax.figure.axes if each.get_ylabel().startswith("residual")]
     assert panel.get_ylabel().split() == ["residual", "[V]"]
     assert ns.plot.fit(found.drop_vars("channel_units"), "b").get_ylabel() == "b"
+    quantities = found.assign(channel_quantity=("channel", ["displacement", "speed b"]))
+    assert ns.plot.fit(quantities, "a").get_ylabel() == "a: displacement"
+    assert ns.plot.fit(quantities, "b").get_ylabel() == "speed b"
     timed = found.assign(channel_units=("channel", ["mm", "V"]))
     timed = timed.assign_coords(time=timed["time"].assign_attrs(units="s"))
     ax = ns.plot.fit_spectra(timed, "b")

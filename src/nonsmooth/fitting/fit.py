@@ -160,22 +160,22 @@ def fit(
         where residuals speak of one),
         ``prediction_error`` (root mean square of what was held back, in units of the noise),
         ``ljung_box`` and ``whiteness`` (its probability for white residuals), ``channel_units``,
-        those of the record. Over ``channel`` and ``source``: ``discrepancy``, the root mean square
-        of errors that follow the motion, 0 where residuals speak of none. Over ``source``:
-        ``force_error``, that of the forces as a part of the accelerations. Over ``channel`` and
-        ``time``: ``measured``, ``fitted``,
-        ``residual``, ``held_back``. Over ``picked``, the events of all channels:
-        ``picked_channel``, ``picked_measured``, ``picked_fitted``,
-        ``picked_residual``, ``picked_held_back``, and ``picked_missed`` where the motion has no
-        such event. Over ``segment``: ``segment_time``, ``segment_state`` and the number of its
-        record, ``segment_record``. Over ``mark``: ``mark_time``, marks of a single record or where
-        periods of the forcing begin. Over ``start``: ``start_estimate``,
-        ``start_cost``, ``start_agrees``. Over ``direction``, combinations of parameters that
-        are not determined: ``direction_part``, ``direction_spread``. Attributes: ``status``
-        (completed, not_converged), ``message``, ``open_parameters`` and ``interval_method`` in
-        words, ``largest_gap`` between segments in parts of the states, ``n_evaluations``;
-        ``form`` and ``cycle`` of each
-        record; for steady motions ``largest_multiplier``, above 1 where a fitted orbit is unstable.
+        those of the record, and ``channel_quantity``, what it calls the channel, else what the
+        model calls the state or output that this shows. Over ``channel`` and ``source``:
+        ``discrepancy``, the root mean square of errors that follow the motion, 0 where residuals
+        speak of none. Over ``source``: ``force_error``, that of the forces as a part of the
+        accelerations. Over ``channel`` and ``time``: ``measured``, ``fitted``, ``residual``,
+        ``held_back``. Over ``picked``, the events of all channels: ``picked_channel``,
+        ``picked_measured``, ``picked_fitted``, ``picked_residual``, ``picked_held_back``, and
+        ``picked_missed`` where the motion has no such event. Over ``segment``: ``segment_time``,
+        ``segment_state`` and the number of its record, ``segment_record``. Over ``mark``:
+        ``mark_time``, marks of a single record or where periods of the forcing begin. Over
+        ``start``: ``start_estimate``, ``start_cost``, ``start_agrees``. Over ``direction``,
+        combinations of parameters that are not determined: ``direction_part``,
+        ``direction_spread``. Attributes: ``status`` (completed, not_converged), ``message``,
+        ``open_parameters`` and ``interval_method`` in words, ``largest_gap`` between segments in
+        parts of the states, ``n_evaluations``; ``form`` and ``cycle`` of each record; for steady
+        motions ``largest_multiplier``, above 1 where a fitted orbit is unstable.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Units of the records of a fit: on its variables, and beside those of the model."""
+"""Labels of the records of a fit: units on its variables and beside those of the model."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _MICRO = str.maketrans("\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}", "uu")
 def with_units(
     found: xr.Dataset, records: Sequence[GivenRecord], datasets: Sequence[Any]
 ) -> xr.Dataset:
-    """A fit with the units of its records; its message says where those of the model differ.
+    """A fit with the labels of its records; its message says where units of the model differ.
 
     Nothing is converted: that a probe reads um says nothing of what the equations are written in.
     """
@@ -40,7 +40,13 @@ def with_units(
     ]
     about = {"long_name": "units of the channel"}
     units = np.array([each for _, each in channels], str)
-    found = found.assign(channel_units=("channel", units, about))
+    words = np.array([
+        _quantity(record, data, channel)
+        for record, data in zip(records, datasets, strict=True)
+        for channel in record.channels
+    ], str)  # fmt: skip
+    quantities = "channel", words, {"long_name": "quantity that the channel shows"}
+    found = found.assign(channel_units=("channel", units, about), channel_quantity=quantities)
     _name(found, _SAMPLED, {each for channel, each in channels if not channel.shows_events})
     _name(found, _INSTANTS, {_units_of_times(data) for data in datasets})
     told = dict.fromkeys(
@@ -54,6 +60,18 @@ def _units(data: Any, channel: ObservedChannel) -> str:
     if channel.shows_events and "units" not in data[channel.name].attrs:
         return _units_of_times(data)
     return str(data[channel.name].attrs.get("units", ""))
+
+
+def _quantity(record: GivenRecord, data: Any, channel: ObservedChannel) -> str:
+    """What the record calls a channel, else what the model calls that which it observes."""
+    said = str(data[channel.name].attrs.get("long_name", ""))
+    if said not in ("", channel.name) or channel.shows_events:
+        return said
+    system = record.system
+    if channel.text not in (*system.states, *system.outputs):
+        return ""
+    named = labels_of(system).attributes(channel.text).get("long_name", "")
+    return "" if named == channel.text else named
 
 
 def _units_of_times(data: Any) -> str:

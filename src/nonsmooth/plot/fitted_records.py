@@ -128,10 +128,20 @@ def fit(
     panel.set_xlabel(label)
     # the panel is too low for both in one line
     panel.set_ylabel(_height_label(data, name, "residual").replace(" [", "\n["))
-    heading = f"{name}: time since the one before" if of_events else name
+    heading = f"{name}: time since the one before" if of_events else _quantity_of(data, name)
     finish_axes(ax, " ", _height_label(data, name, heading))
     place_legend(ax)
     return ax
+
+
+def _quantity_of(data: xr.Dataset, name: str) -> str:
+    """Name of a channel and what it shows, as far as the fit knows that."""
+    said = ""
+    if "channel_quantity" in data:
+        said = str(data["channel_quantity"].sel(channel=name).item())
+    if said in ("", name):
+        return name
+    return said if name in said.split() else f"{name}: {said}"
 
 
 def _height_label(data: xr.Dataset, name: str, heading: str) -> str:
