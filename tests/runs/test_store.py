@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.errors import OptionError, ResultWarning, RunError
 from nonsmooth.runs.crew import run_tasks
 from nonsmooth.runs.store import Damaged, Store, read_arrays, write_arrays
@@ -102,6 +103,44 @@ def test_other_options_are_refused_by_name(tmp_path, now, n_tasks, lines):
         Store.open(tmp_path / "s", before | now, n_tasks)
     for line in [*lines, "was begun with other options", "give another folder"]:
         assert line in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("now", "told"),
+    [
+        ({"record": 6, "longest": 96}, ["record"]),
+        ({"longest": 96}, ["longest"]),
+        ({"record": 6, "longest": 90, "follow": []}, ["record", "longest"]),
+        ({"system": "a = 2", "changed_parameters": "a"}, ["system"]),
+        ({"changed_parameters": "a"}, ["changed_parameters"]),
+    ],
+)
+def test_what_follows_from_other_options_is_not_told_beside_them(tmp_path, now, told):
+    before = {
+        "system": "a = 1", "record": 5, "longest": 80, "changed_parameters": "",
+        "follow": ["longest"],
+    }  # fmt: skip
+    Store.open(tmp_path / "s", before, 3).close()
+    Store.open(tmp_path / "s", before | {"follow": []}, 3).close()  # given, and the same
+    with pytest.raises(OptionError) as refused:
+        Store.open(tmp_path / "s", before | now, 4 if "record" in now else 3)
+    lines = [line.split(":")[0].strip() for line in str(refused.value).splitlines()[1:-1]]
+    assert lines == told
+
+
+def test_a_call_names_the_options_that_it_was_given(tmp_path):
+    options = {"transient": 20, "record": 5, "store": tmp_path / "s"}
+    ns.bifurcation_diagram(ns.models.soft_impact(), "omega", [0.8], **options)
+    with pytest.raises(OptionError, match="other options:\n  transient: 20 then, 30 now\nrepeat"):
+        ns.bifurcation_diagram(
+            ns.models.soft_impact(), "omega", [0.8], **options | {"transient": 30}
+        )
+
+
+def test_options_that_are_given_are_told_together(tmp_path):
+    Store.open(tmp_path / "s", {"record": 5, "longest": 80}, 3).close()
+    with pytest.raises(OptionError, match="record: 5 then, 6 now\n  longest: 80 then, 90 now"):
+        Store.open(tmp_path / "s", {"record": 6, "longest": 90}, 3)
 
 
 def test_a_store_of_another_call_is_refused_as_such(tmp_path):

@@ -214,6 +214,7 @@ def bifurcation_diagram(
         store=shared.store,
         protocol={
             "call": "bifurcation_diagram",
+            "follow": ["longest"] if longest is None else [],
             "system": system.to_toml(),
             "parameter": parameter,
             "values": grid,

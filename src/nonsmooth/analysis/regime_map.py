@@ -190,9 +190,10 @@ def regime_map(
         )
     options = {"start": way, "initial": said_of_start(initial), "refine": levels, "fill": fill}
     options |= question.recorded
+    follow = ["longest"] if longest is None else []
     plane = Plane(
         question.protocol, question.strobes, question.names, fine, initial, mode, tolerance,
-        workers, store, way, {"call": "regime_map"} | options | question.told,
+        workers, store, way, {"call": "regime_map", "follow": follow} | options | question.told,
     )  # fmt: skip
     filled = refine_borders(plane.grid.keys, levels, plane.compute)
     if fill == "motions":

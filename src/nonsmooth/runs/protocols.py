@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from itertools import zip_longest
 from typing import Any
 
@@ -12,6 +12,8 @@ import numpy as np
 
 __all__ = ["differences", "plain"]
 
+# what a protocol has of options under other names: their number, and what they come to
+_FOLLOWING = ("tasks", "initial_state", "initial_states", "changed_parameters")
 _LONGEST = 1000  # entries of an array that are written out
 _ABSENT = object()
 
@@ -36,14 +38,21 @@ def plain(value: Any) -> Any:
     return value
 
 
-def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """A line for each option that differs: its name, its former value, its present one."""
-    lines = []
+def differences(
+    before: Mapping[str, Any], now: Mapping[str, Any], follow: Collection[str] = ()
+) -> list[str]:
+    """A line for each option that differs: its name, its former value, its present one.
+
+    Those that ``follow`` from others, and others that always do, are named where no others differ:
+    nobody has given them.
+    """
+    lines = {}
     for name in dict.fromkeys([*before, *now]):
         found = _difference(name, before.get(name, _ABSENT), now.get(name, _ABSENT))
         if found is not None:
-            lines.append("{}: {} then, {} now".format(*found))
-    return lines
+            lines[name] = "{}: {} then, {} now".format(*found)
+    given = lines.keys() - {*follow, *_FOLLOWING}
+    return [line for name, line in lines.items() if name in given or not given]
 
 
 def _difference(name: str, before: Any, now: Any) -> tuple[str, str, str] | None:

@@ -130,8 +130,9 @@ class Store:
 
         ``protocol`` holds every option that the results depend on, by the name that users know:
         numbers, texts, arrays, and lists and mappings of these; and as its ``call`` the function
-        that was called. A folder of another protocol is refused. Chunks that are damaged are told,
-        removed, and count as not done.
+        that was called; ``follow`` are names of options that were not given and follow from others.
+        A folder of another protocol is refused. Chunks that are damaged are told, removed, and
+        count as not done.
         """
         folder = _folder(path)
         _refuse_strangers(folder)
@@ -253,7 +254,9 @@ class Store:
                 f"store = {str(self.folder)!r} belongs to another kind of call: it holds results of"
                 f" {held}, not of {call}; give another folder"
             )
-        different = differences(former, now)
+        follow = now.pop("follow", [])
+        also = former.pop("follow", follow)  # former stores do not say
+        different = differences(former, now, [name for name in follow if name in also])
         if different:
             raise OptionError(
                 f"store = {str(self.folder)!r} was begun with other options:\n"
