@@ -25,6 +25,7 @@ from nonsmooth.progress import Progress
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.packed_datasets import pack_dataset, unpack_dataset
+from nonsmooth.runs.part_names import OF_BRANCHES, check_part_names
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.compile.clock_states import clock_states
 from nonsmooth.system.system import System
@@ -197,6 +198,7 @@ def bifurcation_picture(
         )
     if not is_known(parameter, base.parameters):
         raise OptionError(unknown_name("parameter", parameter, base.parameters))
+    check_part_names(base, OF_BRANCHES, parameters=(parameter,))
     refuse_fixed(system, parameters, (parameter,), "parameter")
     low, high = read_bounds(between)
     box = read_box(base, region, completion)

@@ -34,6 +34,7 @@ from nonsmooth.periodic_orbits.search import equations_for, other_ways, search_o
 from nonsmooth.periodic_orbits.stretch import BranchOptions, BranchStart
 from nonsmooth.progress import HeldInterrupts, Progress
 from nonsmooth.runs.options import check_flag, finite_number, whole_number
+from nonsmooth.runs.part_names import OF_BRANCHES, check_part_names
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import carried_parameters
 from nonsmooth.runs.strobe_times import is_driven
@@ -320,6 +321,7 @@ def read_branch_options(
         system, initial, shared, period=period, word=word, transient=transient, phase=phase,
         verb="continue_orbit",
     )  # fmt: skip
+    check_part_names(wanted.system, OF_BRANCHES, parameters=(parameter,))
     low, high = read_bounds(between)
     value = float(wanted.system.parameter_values[parameter])
     if not low <= value <= high:

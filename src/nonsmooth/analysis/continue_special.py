@@ -31,6 +31,7 @@ from nonsmooth.periodic_orbits.special_curve import SpecialCurve
 from nonsmooth.periodic_orbits.stretch import BranchOptions
 from nonsmooth.progress import HeldInterrupts, Progress
 from nonsmooth.runs.options import finite_number, whole_number
+from nonsmooth.runs.part_names import OF_BRANCHES, check_part_names
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.strobe_times import is_driven
 from nonsmooth.system.system import System
@@ -268,6 +269,7 @@ def _second_bounds(system: System, first: str, parameter: Any, between: Any) -> 
         )
     if not is_known(parameter, known):
         raise OptionError(unknown_name("second parameter", parameter, known))
+    check_part_names(system, OF_BRANCHES, parameters=(parameter,))
     low, high = read_bounds(between)
     value = float(system.parameter_values[parameter])
     if not low <= value <= high:

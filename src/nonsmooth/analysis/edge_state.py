@@ -18,7 +18,7 @@ from nonsmooth.analysis.basins.attractor_search import (
 from nonsmooth.analysis.basins.folded_runner import runner_within_turns
 from nonsmooth.analysis.basins.recurrences import Known
 from nonsmooth.analysis.basins.region import Completion, read_completion
-from nonsmooth.analysis.edges.edge_dataset import check_state_names, edge_dataset
+from nonsmooth.analysis.edges.edge_dataset import edge_dataset
 from nonsmooth.analysis.edges.straddle import Straddle
 from nonsmooth.analysis.edges.track import Spans, follow_edge
 from nonsmooth.analysis.options import SharedOptions, check_match
@@ -28,6 +28,7 @@ from nonsmooth.progress import Progress
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import positive_number, whole_number
+from nonsmooth.runs.part_names import OF_EDGES, check_part_names
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import check_carried, resolve_start
 from nonsmooth.runs.whole_turns import periods_of_states
@@ -171,7 +172,7 @@ def edge_state(
     array([2.1831, 0.2778])
     """
     chosen = map_of(system, parameters, tolerance, "edge_state", mode=mode, states_only=True)
-    check_state_names(chosen)
+    check_part_names(chosen.system, OF_EDGES)
     spans = _read_spans(narrow, wide, iterates)
     whole = {
         name: whole_number(name, value)

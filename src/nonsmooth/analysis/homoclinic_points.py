@@ -23,6 +23,7 @@ from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import positive_number
+from nonsmooth.runs.part_names import OF_CROSSINGS, check_part_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -153,6 +154,7 @@ def homoclinic_points(
     (2, array([ 0.122137, -0.109789]))
     """
     chosen = map_of(system, parameters, tolerance, "homoclinic_points", states_only=True)
+    check_part_names(chosen.system, OF_CROSSINGS)
     check_choice("side", side, tuple(SIDES))
     check_choice("to_side", to_side, tuple(SIDES))
     spacing = read_spacing(length, largest_step, smallest_step, angle, steps, longest)

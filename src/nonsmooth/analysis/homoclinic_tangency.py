@@ -21,6 +21,7 @@ from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import finite_number, positive_number, whole_number
+from nonsmooth.runs.part_names import OF_TANGENCIES, check_part_names
 from nonsmooth.runs.whole_turns import periods_of_states, whole_turns
 from nonsmooth.system.system import System
 
@@ -172,6 +173,7 @@ def homoclinic_tangency(
     chosen = map_of(system, parameters, tolerance, "homoclinic_tangency", states_only=True)
     if not is_known(parameter, chosen.system.parameters):
         raise OptionError(unknown_name("parameter", parameter, chosen.system.parameters))
+    check_part_names(chosen.system, OF_TANGENCIES, parameters=(parameter,))
     refuse_fixed(system, parameters, (parameter,), "parameter")
     ends = _read_between(between)
     check_choice("side", side, tuple(SIDES))

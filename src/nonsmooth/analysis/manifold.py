@@ -16,6 +16,7 @@ from nonsmooth.analysis.manifolds.saddle import find_saddle
 from nonsmooth.analysis.options import SharedOptions
 from nonsmooth.runs.of_system import map_of
 from nonsmooth.runs.options import positive_number
+from nonsmooth.runs.part_names import OF_MANIFOLDS, check_part_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -175,6 +176,7 @@ def manifold(
     (1.0, 1.0)
     """
     chosen = map_of(system, parameters, tolerance, "manifold", states_only=True)
+    check_part_names(chosen.system, OF_MANIFOLDS)
     check_choice("which", which, _WHICH)
     check_choice("side", side, tuple(SIDES))
     spacing = read_spacing(length, largest_step, smallest_step, angle, steps, longest)

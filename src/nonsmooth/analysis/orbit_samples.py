@@ -13,6 +13,7 @@ from nonsmooth.periodic_orbits.word import Word
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.options import check_count, whole_number
 from nonsmooth.runs.outputs import SampleClock, output_values
+from nonsmooth.runs.part_names import OF_SAMPLES, check_part_names
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -64,6 +65,7 @@ def orbit_samples(orbit: xr.Dataset, *, per_leg: int | None = None) -> xr.Datase
     (105, True)
     """
     system = system_of_one(orbit)
+    check_part_names(system, OF_SAMPLES, outputs=True)
     word, turn = guess_of_dataset(system, orbit)
     counts = _intervals(orbit, turn.durations, per_leg)
     check_count(float(np.sum(counts + 1.0)))

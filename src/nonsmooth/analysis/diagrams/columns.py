@@ -17,6 +17,7 @@ from nonsmooth.errors import OptionError, is_known, quote, unknown_choice, unkno
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.outputs import SampleClock, output_values
+from nonsmooth.runs.part_names import OF_DIAGRAMS, check_part_names
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.runs.whole_turns import cuts_of, folded, periods_of_states
@@ -113,6 +114,7 @@ def read_protocol(
     system = chosen.system
     if not is_known(side, _SIDES):
         raise OptionError(unknown_choice("side", side, _SIDES))
+    check_part_names(system, OF_DIAGRAMS, outputs=True)
     left_out = whole_number("transient", transient, 0)
     most = left_out if longest is None else whole_number("longest", longest, 0)
     if most < left_out:

@@ -11,7 +11,6 @@ from nonsmooth.analysis.basins.attractor_search import ENDED
 from nonsmooth.analysis.edges.straddle import Straddle
 from nonsmooth.analysis.edges.track import Edge
 from nonsmooth.analysis.options import result_attributes
-from nonsmooth.errors import OptionError
 from nonsmooth.runs.labels import labels_of
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
@@ -20,28 +19,12 @@ from nonsmooth.runs.whole_turns import whole_turns
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["check_state_names", "edge_dataset"]
+__all__ = ["edge_dataset"]
 
 # least unit of a distance, beside the spread of the states: what is smaller is rounding
 _UNIT = 1e-6
 
 Floats = npt.NDArray[np.float64]
-
-_PARTS = {
-    "point", "state", "iterate", "side", "multiplier", "exponent_number", "mode", "kind", "period",
-    "word", "residual", "multipliers", "exponent", "exponent_error", "mean", "deviation", "track",
-    "width", "start", "crossing", "outcome", "outcome_period", "distance", "nearest", "time",
-}  # fmt: skip
-
-
-def check_state_names(chosen: Map) -> None:
-    """Refuse states that are called like a part of the result."""
-    for name in chosen.system.states:
-        if name in _PARTS:
-            raise OptionError(
-                f"system: the state {name!r} is also the name of a part of the result; give the"
-                " state another name"
-            )
 
 
 def edge_dataset(

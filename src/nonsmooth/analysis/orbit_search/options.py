@@ -14,6 +14,7 @@ from nonsmooth.periodic_orbits.restart import is_orbit
 from nonsmooth.periodic_orbits.word import read_word, words_of_names
 from nonsmooth.runs.options import finite_number, whole_number
 from nonsmooth.runs.outputs import StateRates
+from nonsmooth.runs.part_names import OF_ORBITS, check_part_names
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import refuse_other_parameters
@@ -58,6 +59,7 @@ def read_wanted(
             " nothing drives it, its cycle is found from an event to its return"
         )
     system = shared.system_of(system)
+    check_part_names(system, OF_ORBITS)
     if shared.parameters is None and hasattr(initial, "data_vars") and not is_orbit(initial):
         refuse_other_parameters(system, initial, "run" if "time" in initial.dims else "point")
     if system.slow or system.unrepeated:

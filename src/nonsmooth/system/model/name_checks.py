@@ -21,14 +21,15 @@ from nonsmooth.system.text.grammar import is_name, why_no_name
 
 __all__ = ["MOST_STATES", "ONE_MODE", "check_kinds", "check_words", "modes_of"]
 
-# names with a fixed meaning in the grammar, and the dimensions of every result
+# names with a fixed meaning in the grammar, and those of the parts of runs and sections; other
+# results have parts of their own (nonsmooth.runs.part_names)
 _RESERVED = {"t", "pi", "rate", STOP, *FUNCTIONS}
 _RESULT_NAMES = {
     "time", "event", "state", "mode", "point", "lane", "orbit", "parameter", "phase",
     "period_number", "event_time", "event_period_number", "event_phase", "event_name",
     "event_kind", "event_from", "event_to", "event_path", "event_count", "guard_rate",
-    "certified", "state_before", "state_after", "end_state", "anchor_state",
-    "direction",
+    "certified", "estimated", "digits", "state_before", "state_after", "end_state", "anchor_state",
+    "direction", "tangent", "state_0", "sensitivity", "parameter_0",
 }  # fmt: skip
 ONE_MODE = "flow"  # of a system that is written without modes
 MOST_STATES = MAX_AUGMENTED - 1  # beside them stands the constant one
