@@ -83,6 +83,16 @@ def test_every_name_is_listed_by_dir():
     assert not unlisted, f"let __dir__ in nonsmooth/__init__.py return __all__; lacks {unlisted}"
 
 
+def test_parts_of_the_library_list_what_is_public_alone():
+    """Among a hundred modules, those who complete `nonsmooth.plot.` do not find the functions."""
+    parts = [
+        thing for name in nonsmooth.__all__ if inspect.ismodule(thing := getattr(nonsmooth, name))
+    ]
+    assert len(parts) == 8
+    for part in parts:
+        assert dir(part) == sorted(part.__all__), f"let __dir__ in {part.__name__} return __all__"
+
+
 def test_every_name_is_documented():
     """help() on a public name must be enough to use it: arguments, result, a running example."""
     faults = []

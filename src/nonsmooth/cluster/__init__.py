@@ -17,3 +17,7 @@ from nonsmooth.cluster.run_calls import run_calls
 from nonsmooth.cluster.work import work
 
 __all__ = ["distribute", "forecast", "open_map", "plan_map", "progress", "run_calls", "work"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

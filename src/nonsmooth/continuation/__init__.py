@@ -12,3 +12,7 @@ from nonsmooth.continuation.point import Point
 from nonsmooth.continuation.two_parameter import two_parameter
 
 __all__ = ["Branch", "BranchPoint", "Point", "branch_directions", "follow", "two_parameter"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

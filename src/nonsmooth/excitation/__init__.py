@@ -24,3 +24,7 @@ __all__ = [
     "power_ratio",
     "spread_of_life_ratio",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

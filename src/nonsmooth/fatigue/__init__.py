@@ -63,3 +63,7 @@ __all__ = [
     "published_laws",
     "reversals",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -95,3 +95,7 @@ for _name in __all__:
         _makes_a_system = _made.__annotations__["return"] == "System"
         globals()[_name] = _checked(_made, _ModelError) if _makes_a_system else _checked(_made)
         globals()[_name].__module__ = __name__  # where pickle finds it
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

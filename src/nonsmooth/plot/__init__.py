@@ -121,3 +121,7 @@ __all__ = [
     "uncertainty",
     "waterfall",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

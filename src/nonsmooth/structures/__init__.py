@@ -51,3 +51,7 @@ __all__ = [
     "torsional_shaft",
     "unbalance_response",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
