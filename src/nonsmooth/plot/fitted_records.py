@@ -97,7 +97,7 @@ def fit(
     >>> decay = ns.System(states=["x"], parameters={"k": 1.0}, equations={"x": "-k*x"})
     >>> ax = ns.plot.fit(ns.fit(decay, record, {"k": (0.1, 2)}))
     >>> [each.get_ylabel() for each in ax.figure.axes]
-    ['x', 'residual']
+    ['displacement x', 'residual']
     """
     name = chosen_channel(data, channel)
     of_events = not np.isfinite(data["measured"].sel(channel=name)).any()
