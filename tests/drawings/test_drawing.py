@@ -144,3 +144,21 @@ def test_a_dataset_without_its_system_is_refused(run):
     bare.attrs = {}
     with pytest.raises(OptionError, match="as it came from simulate"):
         ns.plot.drawing_of(ns.models.impact_oscillator()).frames(bare)
+
+
+def test_names_below_bars_do_not_lie_over_each_other():
+    """A bar is as wide as six letters; longer names stand in two lines, very long ones are cut."""
+
+    def names_of(states):
+        flow = "\n".join(f'{name} = "-{name}"' for name in states)
+        text = f'name = "s"\nstates = {list(states)}\n[equations]\n{flow}\n'.replace("'", '"')
+        system = ns.System.from_toml(text)
+        run = ns.simulate(system, dict.fromkeys(states, 1.0), t_end=1.0)
+        shapes = ns.plot.drawing_of(system).frames(run).shapes
+        found = [each for each in shapes if each.kind == "text" and not each.text.startswith("max")]
+        return [(each.text, float(each.y.ravel()[0])) for each in found]
+
+    assert {y for _, y in names_of(["x", "v"])} == {-1.3}
+    long = names_of(["position", "speed", "temperature_of_oil"])
+    assert [text for text, _ in long] == ["position", "speed", "temperature_…"]
+    assert long[0][1] == long[2][1] > long[1][1] + 0.3

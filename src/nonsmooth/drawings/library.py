@@ -11,6 +11,8 @@ from nonsmooth.system.system import System
 __all__ = ["drawing_of", "machines"]
 
 _MOST_BARS = 12  # states; further ones are left out
+_SHORT, _LONG = 6, 13  # characters of a name below a bar, and below two bars
+_LINE = 0.32  # from one line of names to the next, where a bar reaches from -1 to 1
 _GENERIC = """
 title = "states of {name}"
 note = "each bar is a state over its largest size, max"
@@ -21,7 +23,7 @@ note = "each bar is a state over its largest size, max"
 {parts}
 [view]
 x = [-0.9, {right}]
-y = [-1.7, 2.35]
+y = [{below}, 2.35]
 
 [[shapes]]
 kind = "line"
@@ -45,8 +47,8 @@ points = [["{k} - 0.3", "_{k}_part"], ["{k} + 0.3", "_{k}_part"]]
 role = "mark"
 [[shapes]]
 kind = "text"
-at = [{k}, -1.3]
-text = "{state}"
+at = [{k}, {down}]
+text = "{name}"
 [[shapes]]
 kind = "text"
 at = [{k}, 1.38]
@@ -94,6 +96,8 @@ def drawing_of(system: System) -> Drawing:
 def _bars(system: System) -> Drawing:
     """One bar for each state."""
     states = system.states[:_MOST_BARS]
+    # a bar is as wide as a short name; of longer ones every second stands in a line of its own
+    lines = 2 if len(states) > 1 and max(map(len, states)) > _SHORT else 1
     return Drawing.from_toml(
         _GENERIC.format(
             name=system.name.replace('"', ""),
@@ -102,6 +106,14 @@ def _bars(system: System) -> Drawing:
             parts="".join(
                 f'_{k}_part = "{state}/max(_{k}_high, 1e-300)"\n' for k, state in enumerate(states)
             ),
-            shapes="".join(_BAR.format(k=k, state=state) for k, state in enumerate(states)),
+            shapes="".join(
+                _BAR.format(k=k, name=_shortened(state), down=-1.3 - _LINE * (k % lines))
+                for k, state in enumerate(states)
+            ),
+            below=-1.7 - _LINE * (lines - 1),
         )
     )
+
+
+def _shortened(name: str) -> str:
+    return name if len(name) <= _LONG else name[: _LONG - 1] + "\N{HORIZONTAL ELLIPSIS}"

@@ -98,6 +98,12 @@ def moling(
             "z": "displacement of the slider top",
             "slider_force": "force on the slider",
             "acceleration": "acceleration of the mass",
+            "a": "amplitude of the forcing",
+            "b": "static force",
+            "xi": "damping of the slider",
+            "omega": "frequency of the forcing",
+            "g": "gap between mass and slider",
+            "phi": "phase of the forcing",
         },
         modes={
             "no_contact": Mode(
