@@ -149,3 +149,14 @@ def test_a_system_without_forcing_shows_another_variable_than_that_of_its_sectio
 def test_what_is_no_gesture_is_refused(gesture):
     with pytest.raises(NonsmoothError):
         after(WALL, gesture)
+
+
+def test_one_state_for_both_axes_of_the_plane_exchanges_them():
+    view = after(WALL, {"do": "set", "fields": {"plane": "v,v"}})
+    assert (WALL.plane, view.plane) == (("x", "v"), ("v", "x"))
+
+
+@pytest.mark.parametrize("between", ["", ",", "0.1", "0.1,"])
+def test_a_range_without_both_of_its_ends_is_refused(between):
+    with pytest.raises(OptionError, match="between: give two numbers"):
+        after(MOLE, {"do": "set", "fields": {"between": between}})

@@ -1,5 +1,7 @@
 """Work aside: pieces come, a cancelled job is silent and soon over, a long one meets its limit."""
 
+import subprocess
+import sys
 import time
 from dataclasses import replace
 from queue import Empty, SimpleQueue
@@ -121,3 +123,16 @@ def test_a_closed_crew_takes_no_jobs_and_leaves_no_process():
     crew.close()
     assert crew.submit(Job("motion", MOLE, ear)).cancelled
     assert [process.wait(PATIENCE) is not None for process in processes] == [True, True]
+
+
+@pytest.mark.slow
+def test_a_worker_whose_page_has_gone_ends_without_a_word():
+    worker = subprocess.Popen(
+        [sys.executable, "-m", "nonsmooth.explorer.worker"],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    worker.stdout.close()  # before it is ready: what it writes first finds nobody
+    said = worker.stderr.read()
+    assert (worker.wait(PATIENCE), said) == (0, b"")
+    worker.stdin.close()
+    worker.stderr.close()

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import nonsmooth as ns
 from nonsmooth.errors import NonsmoothError, OptionError
 from nonsmooth.explorer.links import from_link, to_link
-from nonsmooth.explorer.openings import opening, presets, view_of
+from nonsmooth.explorer.openings import opening, presets, view_of, view_of_link
 from nonsmooth.explorer.view import View
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
@@ -97,6 +97,13 @@ def test_a_short_link_cannot_unpack_into_a_long_text():
         ({"model": "mole"}, "unknown model 'mole'"),
         ({"portrait": ("p", "nothing")}, "unknown variable 'nothing'"),
         ({"portrait": ("p",)}, "portrait: 1 entries, where 2 belong"),
+        ({"portrait": ()}, "portrait: give at least one variable"),
+        ({"drawn": ()}, "drawn: give at least one variable"),
+        ({"between": ()}, "between: give two numbers"),
+        ({"shown": ""}, "shown: give a variable"),
+        ({"shown": "p_per_period"}, "unknown variable 'p_per_period'"),
+        ({"plane": ("p", "p")}, "plane: give two different states"),
+        ({"over": "", "branch": True}, "branch: it needs a parameter"),
         ({"over": "beta"}, "unknown parameter 'beta'"),
         ({"columns": 10**6}, "which is what a page computes"),
         ({"length": float("nan")}, "not a finite number"),
@@ -111,3 +118,20 @@ def test_a_short_link_cannot_unpack_into_a_long_text():
 def test_a_view_that_cannot_be_shown_says_why(fields, said):
     with pytest.raises(NonsmoothError, match=said):
         replace(opening("moling"), **fields).check()
+
+
+def test_a_link_typed_by_hand_opens_as_its_system_does():
+    view = view_of_link("#model=moling&p.b=0.12&columns=50")
+    view.check()
+    assert view == replace(opening("moling"), values=(("b", "0.12"),), columns=50)
+    beyond = view_of_link("model=moling&p.b=0.5")
+    assert beyond.between == (0.02, 0.5)  # the diagram reaches as far as the value
+    assert view_of_link("model=moling&over=xi").between[1] == 0.1
+    typed = view_of_link("text=" + to_link(View(text=TYPED)).partition("=")[2])
+    assert typed == opening(text=TYPED)
+
+
+@pytest.mark.parametrize("preset", presets()[::7], ids=lambda preset: preset.title)
+def test_nothing_is_added_to_a_link_of_a_page(preset):
+    bare = replace(preset.view, leave_out=0.0, section="")
+    assert view_of_link(to_link(bare)) == bare

@@ -527,3 +527,80 @@ def test_a_machine_of_the_list(screen, wall):
     assert screen.page.evaluate("document.title").startswith("duffing")
     assert np.isfinite(screen.model("portrait", "it.x_range.start"))
     assert from_link(screen.link).model == "duffing"
+
+
+LONG_NAMES = """name = "cart"
+states = ["position", "speed", "temperature"]
+period = "2"
+
+[parameters]
+force = 1.0
+
+[equations]
+position = "speed"
+speed = "force*sin(pi*t) - speed - position"
+temperature = "-temperature"
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [390, 800])
+def test_a_narrow_window_has_one_column_that_is_seen_whole(screen, wall, width):
+    screen.page.set_viewport_size({"width": width, "height": 844})
+    screen.open(wall)
+    assert screen.page.evaluate("document.documentElement.scrollWidth") <= width
+    for card in screen.page.locator("aside, article").all():
+        box = card.bounding_box()
+        assert box["x"] >= 0 and box["width"] > 0.9 * width
+        assert box["x"] + box["width"] <= width
+    screen.page.locator("#card-plane").scroll_into_view_if_needed()
+    assert screen.page.locator("#p-zeta").is_visible()  # a slider stays beside what it moves
+
+
+@pytest.mark.slow
+def test_long_names_of_states_are_read_beside_their_fields(screen):
+    screen.open(replace(opening(text=LONG_NAMES), **SMALL))
+    for name in ("position", "temperature"):
+        words = screen.page.locator("#start span").get_by_text(name, exact=True)
+        assert words.evaluate("(it) => it.scrollWidth <= it.clientWidth")
+        box, field = words.bounding_box(), screen.page.locator("#start").get_by_label(name)
+        assert box["x"] + box["width"] <= field.bounding_box()["x"]
+
+
+@pytest.mark.slow
+def test_a_range_that_is_cleared_is_told_and_the_page_goes_on(screen, wall):
+    screen.open(wall)
+    for place in ("0", "1"):
+        field = screen.page.locator(f"[data-between='{place}']")
+        field.fill("")
+        field.press("Enter")
+        screen.page.wait_for_function("explorer.gestures.heard === explorer.gestures.sent")
+        assert "give two numbers" in screen.page.locator("#toast").inner_text()
+        assert "wrong" in field.get_attribute("class")
+    assert from_link(screen.link) == wall
+    screen.settle()
+
+
+@pytest.mark.slow
+def test_a_choice_that_is_refused_goes_back(screen):
+    text = LONG_NAMES.replace("1.0", "1.0\nfixed = 2.0").replace(
+        "[equations]", '[require]\n"fixed >= 2" = "so"\n"fixed <= 2" = "so"\n[equations]'
+    )
+    screen.open(replace(opening(text=text), **SMALL))
+    over = screen.page.locator("[data-field=over]")
+    assert over.input_value() == "force"
+    over.select_option("fixed")
+    screen.page.locator("#toast").get_by_text("cannot be varied").wait_for()
+    assert over.input_value() == "force"
+    screen.settle()
+
+
+@pytest.mark.slow
+def test_a_note_over_a_picture_can_be_put_away(screen, wall):
+    screen.open(wall)
+    typed(screen, ZENO)
+    screen.after("motion", lambda: screen.page.keyboard.press("Control+Enter"))
+    screen.settle()
+    note = screen.page.locator("#motion-note")
+    note.get_by_role("button", name="Hide this note").click()
+    assert not note.is_visible()

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from explorer.typed_systems import RIGID, ZENO
+from nonsmooth.explorer.descriptions import described
 from nonsmooth.explorer.links import from_link
 from nonsmooth.explorer.openings import opening
 from nonsmooth.explorer.session import Session
@@ -339,3 +340,31 @@ def test_what_is_no_message_is_refused(text):
     page.sent.clear()
     page.session.hear(text)
     assert page.told("refused") and page.session.view == MOLE
+
+
+def test_a_fault_of_the_program_is_answered_so_that_the_page_goes_on(monkeypatch, caplog):
+    page = Page()
+
+    def broken(view, gesture):
+        raise ZeroDivisionError("a fault")
+
+    monkeypatch.setattr("nonsmooth.explorer.session.after", broken)
+    page.do(do="value", name="b", value="0.1", n=7)
+    assert "fault of its program" in page.told("refused")[0]["message"]
+    assert page.told("heard") == [{"type": "heard", "n": 7}]
+    assert "ZeroDivisionError" in caplog.text and page.session.view == MOLE
+
+
+def columns(done, n_ended, unsettled):
+    return {
+        "done": done, "count": 8, "n_ended": n_ended, "ended": ["singular"], "unsettled": unsettled,
+    }  # fmt: skip
+
+
+def test_a_diagram_says_where_none_of_its_motions_has_settled():
+    assert described("diagram", MOLE, columns(8, 1, 6))["said"] == "8 columns"
+    assert described("diagram", MOLE, columns(4, 0, 4))["said"] == "4 of 8 columns"
+    none = described("diagram", MOLE, columns(8, 1, 7))
+    assert none["said"] == "none settled"
+    assert "1 motion ended early (singular)" in none["title"]
+    assert "7 motions have not settled after 100 periods" in none["title"]

@@ -8,7 +8,7 @@ import nonsmooth as ns
 from nonsmooth.errors import NonsmoothError, RunWarning
 from nonsmooth.explorer.gestures import after
 from nonsmooth.explorer.openings import opening
-from nonsmooth.explorer.wording import in_words_of_page, of_field, sentence_of
+from nonsmooth.explorer.wording import counted, in_words_of_page, of_field, sentence_of
 
 ZENO = """name = "zeno"
 states = ["x", "v"]
@@ -58,7 +58,7 @@ def test_no_word_for_programs_is_left():
         ({"leave_out": "abc"}, "leave out = 'abc' is not a number"),
         ({"leave_out": "-1"}, "leave out = -1 is not from 0 to 20000"),
         ({"length": "0"}, "show = 0 is not from"),
-        ({"between": "0.1"}, "from and to: 1 entries"),
+        ({"between": "0.1"}, "from and to: give two numbers"),
         ({"section": "2"}, "at = '2': it does not change"),
     ],
 )
@@ -89,3 +89,16 @@ def test_basins_at_a_section_say_which_field_to_change():
 def test_the_first_sentence():
     assert sentence_of("ended at t = 0.5: why. Do this") == "ended at t = 0.5: why"
     assert sentence_of("one alone") == "one alone"
+
+
+def test_one_thing_is_not_many():
+    assert counted(1, "event") == "1 event"
+    assert (counted(0, "event"), counted(1_200, "event")) == ("0 events", "1,200 events")
+
+
+def test_advice_for_programs_becomes_advice_for_the_page():
+    runaway = ns.System.from_toml('states = ["x"]\n[equations]\nx = "1 + x**2"\n')
+    with pytest.warns(RunWarning):
+        run = ns.simulate(runaway, t_end=5.0)
+    assert "Exit(" in run.attrs["message"]
+    assert "Exit(" not in in_words_of_page(run.attrs["message"])

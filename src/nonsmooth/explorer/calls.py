@@ -174,7 +174,7 @@ def orbit(view: View) -> list[VerbCall]:
 def branch(view: View) -> list[VerbCall]:
     """The branch of that orbit over the parameter of the diagram."""
     value = view.system.parameter_values[view.over]
-    first, last = view.between
+    first, last = sorted(view.between)  # a diagram may go downwards
     reach = _NEAR * (last - first)
     between = (min(first, value - reach), max(last, value + reach))
     options = {"initial": Result("orbit"), "steps": _STEPS}

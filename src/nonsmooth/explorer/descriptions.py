@@ -8,8 +8,8 @@ from typing import Any
 
 from nonsmooth.explorer.limits import label_and_unit, sliders
 from nonsmooth.explorer.tasks import Piece
-from nonsmooth.explorer.view import View, system_of
-from nonsmooth.explorer.wording import in_words_of_page, sentence_of
+from nonsmooth.explorer.view import View, diagram_variables, system_of
+from nonsmooth.explorer.wording import counted, in_words_of_page, sentence_of
 from nonsmooth.plot.attractor_style import (
     ENDED_EARLY,
     INADMISSIBLE,
@@ -64,13 +64,12 @@ def described_view(view: View, *, new_system: bool) -> dict[str, Any]:
     }  # fmt: skip
     if new_system:
         base = system_of(view.model, view.text)
-        of_motions = [f"{name}_per_period" for name in system.drift_states if system.period]
         found |= {
             "sliders": [asdict(slider) for slider in sliders(system, base)],
             "text": view.text or system_text(view),
             "states": list(system.states),
             "variables": variables,
-            "diagram_variables": [*variables, "period", "events", "impacts", *of_motions],
+            "diagram_variables": diagram_variables(system),
             "parameters": list(system.parameters),
             "labels": {
                 name: label_and_unit(system.describe.get(name, ""))
@@ -93,7 +92,7 @@ def described(task: str, view: View, piece: Piece) -> dict[str, Any]:
 def _motion(view: View, piece: Piece) -> dict[str, Any]:
     modes = [name for name in piece["portrait"] if name]
     doubts = piece["n_uncertain"]
-    certificate = "all events certified" if not doubts else f"{doubts} events flagged"
+    certificate = "all events certified" if not doubts else f"{counted(doubts, 'event')} flagged"
     whole = piece["status"] in ("completed", "stopped")
     if not whole:
         certificate = "it ended early"
@@ -101,7 +100,7 @@ def _motion(view: View, piece: Piece) -> dict[str, Any]:
         "remark": "" if whole else in_words_of_page(sentence_of(piece["message"])),
         "title": in_words_of_page(piece["message"]),
         "modes": [[name.replace("_", " "), piece["colours"][name]] for name in modes],
-        "said": f"{piece['n_events']} events; {certificate}",
+        "said": f"{counted(piece['n_events'], 'event')}; {certificate}",
         "fine": not doubts and whole,
         "word": piece["word"].replace("_", " "),
         "events": [
@@ -131,14 +130,19 @@ def _diagram(view: View, piece: Piece) -> dict[str, Any]:
     parts = []
     if piece["n_ended"]:
         why = ", ".join(piece["ended"]).replace("_", " ")
-        parts.append(f"{piece['n_ended']} motions ended early ({why}); they are left out")
+        ended = counted(piece["n_ended"], "motion")
+        parts.append(f"{ended} ended early ({why}) and left out")
     if piece["unsettled"]:
+        have = "has" if piece["unsettled"] == 1 else "have"
         parts.append(
-            f"{piece['unsettled']} motions have not settled to a period: chaos, quasi-periodic"
-            " motion, a longer period, or a motion that settles slowly"
+            f"{counted(piece['unsettled'], 'motion')} {have} not settled after"
+            f" {counted(view.transient, 'iterate' if view.section else 'period')}: chaos,"
+            " quasi-periodic motion, a longer period, or a motion that settles slowly"
         )
     title = "\n".join([f"{done} of {count} columns", *parts])
     remark = parts[0] if done == piece["n_ended"] else ""
+    if done == count and 0 < piece["unsettled"] == done - piece["n_ended"]:
+        said = "none settled"
     return {"said": said, "title": title, "remark": remark, "share": piece["done"] / piece["count"]}
 
 

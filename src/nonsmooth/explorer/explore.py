@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from nonsmooth.errors import OptionError, RunError, quote
-from nonsmooth.explorer.links import from_link
-from nonsmooth.explorer.openings import opening, view_of
+from nonsmooth.explorer.openings import opening, view_of, view_of_link
 from nonsmooth.explorer.view import View
 from nonsmooth.system.system import System
 
@@ -150,7 +149,7 @@ def _view(system: System | None, link: str) -> View:
     if link:
         if system is not None:
             raise OptionError("link: it has a system of its own; give one of system and link")
-        view = from_link(link.partition("#")[2] or link)
+        view = view_of_link(link.partition("#")[2] or link)
         view.check()
         return view
     if system is None:

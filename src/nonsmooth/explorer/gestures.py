@@ -7,8 +7,8 @@ from dataclasses import fields, replace
 from typing import Any
 
 from nonsmooth.errors import NonsmoothError, OptionError, is_known, unknown_name
-from nonsmooth.explorer.links import from_link, read_field, read_number
-from nonsmooth.explorer.openings import opening, presets
+from nonsmooth.explorer.links import read_field, read_number
+from nonsmooth.explorer.openings import opening, opening_range, presets, view_of_link
 from nonsmooth.explorer.view import View
 
 __all__ = ["Gesture", "after"]
@@ -41,7 +41,7 @@ def _preset(view: View, gesture: Gesture) -> View:
 
 
 def _link(view: View, gesture: Gesture) -> View:
-    return from_link(str(gesture["link"]))
+    return view_of_link(str(gesture["link"]))
 
 
 def _text(view: View, gesture: Gesture) -> View:
@@ -89,19 +89,11 @@ def _set(view: View, gesture: Gesture) -> View:
         given = {"between": opening_range(view, given["over"]), "height": ()} | given
     if "shown" in given:
         given = {"height": ()} | given
+    if len(set(given.get("plane", ()))) == 1 and len(view.plane) == 2:  # one state for both axes
+        given["plane"] = view.plane[::-1]
     if "plane" in given or ("picture" in given and given["picture"] != view.picture):
         given = {"region": ()} | given if "plane" in given else given
     return replace(view, **given)
-
-
-def opening_range(view: View, over: str) -> tuple[float, ...]:
-    """Range of a parameter that a diagram begins with: its slider."""
-    from nonsmooth.explorer.limits import sliders
-
-    for slider in sliders(view.system):
-        if slider.name == over:
-            return slider.low, slider.high
-    raise OptionError(f"parameter {over!r} cannot be varied")
 
 
 def _start(view: View, gesture: Gesture) -> View:

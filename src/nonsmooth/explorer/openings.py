@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from importlib.resources import files
 from typing import Any
 
+from nonsmooth.errors import OptionError
 from nonsmooth.explorer.limits import sliders
+from nonsmooth.explorer.links import from_link
 from nonsmooth.explorer.view import View, system_of
 from nonsmooth.models.ready_made import ready_made
 from nonsmooth.system.system import System
 from nonsmooth.system.text.expressions import name_set
 from nonsmooth.system.text.grammar import parse
 
-__all__ = ["Preset", "opening", "presets", "view_of"]
+__all__ = ["Preset", "opening", "opening_range", "presets", "view_of", "view_of_link"]
 
 _WIDE = 50  # as many units of time are shown where there is no period
 
@@ -93,6 +95,33 @@ def view_of(system: System) -> View:
             values = tuple((name, str(value)) for name, value in changed.items())
             return _over_present_value(replace(_of_model(system.name), values=values))
     return opening(text=system.to_toml())
+
+
+def view_of_link(link: str) -> View:
+    """View of a link; what one that was typed by hand does not name is as its system opens.
+
+    Links of a page name the variables that are drawn, and then nothing is added to them.
+    """
+    given = from_link(link)
+    if given.drawn or given.portrait or not (given.model or given.text):
+        return given
+    named = {
+        item.name: getattr(given, item.name)
+        for item in fields(View)
+        if getattr(given, item.name) != item.default
+    }
+    view = replace(opening(given.model, given.text), **named)
+    if given.over and not given.between:
+        return replace(view, between=opening_range(view, given.over))
+    return _over_present_value(view) if not given.between else view
+
+
+def opening_range(view: View, over: str) -> tuple[float, ...]:
+    """Range of a parameter that a diagram begins with: its slider."""
+    for slider in sliders(view.system):
+        if slider.name == over:
+            return slider.low, slider.high
+    raise OptionError(f"parameter {over!r} cannot be varied")
 
 
 def _over_present_value(view: View) -> View:

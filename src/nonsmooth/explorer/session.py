@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import json
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -26,9 +27,12 @@ from nonsmooth.explorer.wording import in_words_of_page, of_field
 
 __all__ = ["Session"]
 
+_log = logging.getLogger(__name__)
+
 _ORDER = ("motion", "drawing", "ranges", "orbit", "diagram", "plane")
 _QUIET = 180  # milliseconds after a live gesture until long work begins
 _MOST_STEPS = 200  # back
+_MOST_LOGGED = 200  # characters of a gesture
 _LONGER = 4.0  # times the limit, where the visitor asks to go on
 _NOTHING = {
     "diagram": "the system has no parameter that can be varied, so there is no diagram",
@@ -101,6 +105,10 @@ class Session:
             self._do(gesture)
         except NonsmoothError as fault:
             self._refuse(gesture, fault)
+        except Exception:  # a fault of the program: the page must hear an answer, and go on
+            _log.exception("a gesture of the page could not be done: %s", text[:_MOST_LOGGED])
+            said = "the page could not do this, by a fault of its program; the shell tells which"
+            self.send({"type": "refused", "of": "", "message": said, "n": gesture.get("n")})
         if "n" in gesture:  # the page counts what it sends; a tap in a plot comes without it
             self.send({"type": "heard", "n": gesture["n"]})
 

@@ -164,8 +164,6 @@ def drawing(view: View) -> Iterator[Piece]:
 
 def diagram(view: View) -> Iterator[Piece]:
     """Columns of the bifurcation diagram, some of them first."""
-    import xarray as xr
-
     if not view.over:
         raise OptionError("the system has no parameter for a diagram")
     if view.start != "restart":  # each column begins where the one before has ended
@@ -179,10 +177,26 @@ def diagram(view: View) -> Iterator[Piece]:
     results = calls.computed(made[:-1], {"system": system})
     parts: list[xr.Dataset] = []
     for chosen in _coarse_to_fine(len(values)):
+        if not chosen.size:  # of few columns
+            continue
         call = replace(made[-1], arguments=(*made[-1].arguments[:2], values[chosen]))
         parts.append(calls.computed([call], results)["diagram"])
-        whole = xr.concat(parts, "parameter", combine_attrs="override").sortby("parameter")
+        whole = _joined(parts)
         yield _columns(view, parts[-1], chosen, len(values), whole)
+
+
+def _joined(parts: list[xr.Dataset]) -> xr.Dataset:
+    """Columns of some parts as one diagram; where motions ended early, points are missing."""
+    import xarray as xr
+
+    most = max(part.sizes["point"] for part in parts)
+    even = []
+    for part in parts:
+        over_points = [name for name, each in part.variables.items() if "point" in each.dims]
+        nothing = {name: np.nan if part[name].dtype.kind == "f" else -1 for name in over_points}
+        missing = most - part.sizes["point"]
+        even.append(part.pad(point=(0, missing), constant_values=nothing) if missing else part)
+    return xr.concat(even, "parameter", combine_attrs="override").sortby("parameter")
 
 
 def _coarse_to_fine(count: int) -> Iterator[np.ndarray]:
@@ -332,12 +346,12 @@ def orbit(view: View) -> Iterator[Piece]:
     from nonsmooth.analysis.orbit_samples import orbit_samples
 
     system = view.system
-    if view.turn < 0:
-        view = replace(view, turn=_period(view))
     run = _run(view)
     if run.attrs["status"] not in GOES_ON:
         yield {"turn": 0, "message": "the motion ends early, so there is no orbit near its end"}
         return
+    if view.turn < 0:
+        view = replace(view, turn=_period(view))
     results = calls.computed(calls.orbit(view), {"system": system, "run": run})
     found = results["orbit"]
     if found.attrs["status"] not in ("completed", "inadmissible"):

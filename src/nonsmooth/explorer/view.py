@@ -15,7 +15,7 @@ from nonsmooth.errors import OptionError, quote, unknown_name
 from nonsmooth.models.ready_made import ready_made
 from nonsmooth.system.system import System
 
-__all__ = ["MOST", "PICTURES", "STARTS", "View", "system_of"]
+__all__ = ["MOST", "PICTURES", "STARTS", "View", "diagram_variables", "system_of"]
 
 STARTS = ("restart", "follow up", "follow down")
 PICTURES = ("basins", "section")
@@ -73,13 +73,12 @@ class View:
             _check_kind(item.name, getattr(self, item.name), item.default)
         system = self.system
         variables = [*system.states, *system.outputs]
+        self._check_whole()
         _check_names("state", [name for name, _ in self.initial], system.states)
         _check_names("variable", [*self.drawn, *self.portrait], variables)
         _check_names("state", self.plane, system.states)
         _check_names("parameter", [self.over] if self.over else [], system.parameters)
-        of_motions = ("period", "events", "impacts", *variables)
-        shown = [self.shown] if self.shown else []
-        _check_names("variable", [name for name in shown if "_per_" not in name], of_motions)
+        _check_names("variable", [self.shown] if self.shown else [], diagram_variables(system))
         for name, known in (("start", STARTS), ("picture", PICTURES)):
             if getattr(self, name) not in known:
                 raise OptionError(unknown_name(name, getattr(self, name), known))
@@ -96,10 +95,31 @@ class View:
         self.check_section()
         return system
 
+    def _check_whole(self) -> None:
+        """An error where a pane lacks what it needs to be drawn."""
+        for name in ("drawn", "portrait"):
+            if not getattr(self, name):
+                raise OptionError(f"{name}: give at least one variable of the system")
+        if self.over:
+            if len(self.between) != 2:
+                raise OptionError("between: give two numbers, the first and the last value")
+            if not self.shown:
+                raise OptionError("shown: give a variable for the diagram")
+        elif self.branch:
+            raise OptionError("branch: it needs a parameter, over, to be followed by")
+        if len(set(self.plane)) < len(self.plane):
+            raise OptionError("plane: give two different states")
+
     def check_section(self) -> None:
         """An error where the section is none of the system."""
         if self.section:
             _check_section(self.model, self.text, self.section)
+
+
+def diagram_variables(system: System) -> list[str]:
+    """What a diagram may show of a motion: variables, counts, and how far it comes in a period."""
+    drifts = [f"{name}_per_period" for name in system.drift_states if system.period]
+    return [*system.states, *system.outputs, "period", "events", "impacts", *drifts]
 
 
 @lru_cache(maxsize=64)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["in_words_of_page", "of_field", "sentence_of"]
+__all__ = ["counted", "in_words_of_page", "of_field", "sentence_of"]
 
 # what stands on the page for a field of a view or an option of a verb
 _FIELDS = {
@@ -23,6 +23,8 @@ _ADVICE = {
     "give initial= nearer to it, transient= for a motion that has settled, another period=, or"
     " word= for the modes that it visits": "start nearer to it, or leave out more of the motion, so"
     " that it has settled",
+    "; if the point is not meant to be reached, add an exit before it, such as"
+    " Exit('x - 1e-9', to='stop')": "; an exit before that point would end the motion in order",
     "or give transient=": "or leave out more of the motion",
     "follow a branch with continue_orbit, which passes such points": "press Orbit for another value"
     " nearby, from where the branch passes such points",
@@ -55,6 +57,11 @@ def of_field(message: str) -> str:
     return _OF_FIELD.sub(
         lambda found: _FIELDS.get(found[1], found[1].replace("_", " ")), in_words_of_page(message)
     )
+
+
+def counted(number: int, what: str) -> str:
+    """A number of things, as ``1 event`` and ``2 events``."""
+    return f"{number:,} {what}" if number == 1 else f"{number:,} {what}s"
 
 
 def sentence_of(message: str) -> str:

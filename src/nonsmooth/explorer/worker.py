@@ -11,6 +11,7 @@ import os
 import signal
 import sys
 import threading
+from contextlib import suppress
 from queue import SimpleQueue
 from typing import IO, Any
 
@@ -96,7 +97,9 @@ def main() -> None:
     if "--nice" in sys.argv and hasattr(os, "nice"):
         os.nice(_NICENESS)
     _warm_up()
-    _Worker(source, target).run()
+    with suppress(BrokenPipeError):  # the page is gone
+        _Worker(source, target).run()
+    os._exit(0)  # the thread that listens holds the input, for which the interpreter would wait
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from bokeh.models import ColumnDataSource, HoverTool, LinearColorMapper
 
+from nonsmooth.explorer.limits import label_and_unit
 from nonsmooth.explorer.panes.look import INK, axis_text, bare, fit, new_figure
 from nonsmooth.explorer.tasks import Piece
 from nonsmooth.explorer.view import View
@@ -72,7 +73,7 @@ class DiagramPane:
         self.source.data = {"x": x, "y": y, "period": period.astype(float)}
         if not view.height and y.size:
             fit(self.plot.y_range, float(y.min()), float(y.max()))
-        described = (_described(view), "")
+        described = label_and_unit(view.system.describe.get(view.over, ""))
         self.plot.xaxis.axis_label = axis_text(view.over, described, 70)
         self.plot.yaxis.axis_label = axis_text(view.shown, piece["label"])
 
@@ -97,10 +98,6 @@ class DiagramPane:
 
 def _hover(marks: Any) -> Any:
     return HoverTool(renderers=[marks], tooltips="@kind at @x{0.000000}")
-
-
-def _described(view: View) -> str:
-    return str(view.system.describe.get(view.over, "")).partition(" [")[0]
 
 
 def _chains(x: np.ndarray, y: np.ndarray, part: np.ndarray) -> dict[str, np.ndarray]:

@@ -7,7 +7,9 @@ const sliders = document.getElementById("sliders");
 const start = document.getElementById("start");
 const made = new Map(); // slider and field of each parameter
 const starts = new Map();
+const shortName = 4; // characters of a state beside whose field another one has room
 let typed = {}; // values that are texts
+let choices = null; // the last view
 let begun = {}; // where the motion begins, with all digits
 const asked = new Map(); // field that a gesture came from, by the number of the gesture
 let flying = null; // number of the gesture of a slider that is under way
@@ -124,11 +126,14 @@ function showStart(message) {
   if (names.join() !== [...starts.keys()].join()) {
     start.replaceChildren();
     starts.clear();
+    start.classList.toggle("long", names.some((name) => name.length > shortName));
     for (const name of names) {
       const label = document.createElement("label");
       const field = document.createElement("input");
       field.inputMode = "decimal";
-      label.append(name, field);
+      const words = Object.assign(document.createElement("span"), { textContent: name });
+      label.title = message.labels?.[name]?.[0] || name;
+      label.append(words, field);
       field.addEventListener("change", () => {
         sendFrom(field, { do: "start", states: { ...begun, [name]: field.value } });
       });
@@ -161,6 +166,17 @@ function fillLists(message) {
   setText(message.text);
 }
 
+// What lists show is of the view always: a choice that is refused goes back.
+function showChoices(message) {
+  choices = message;
+  for (const list of document.querySelectorAll("select[data-field]")) {
+    list.value = message.view[list.dataset.field];
+  }
+  for (const list of document.querySelectorAll("[data-list]")) {
+    list.value = message[list.dataset.list][list.dataset.place] ?? "";
+  }
+}
+
 on("view", (message) => {
   if (message.by_gesture) clearMarks(message.n);
   if (!message.moves && message.n !== null) landed(message.n, false);
@@ -168,14 +184,10 @@ on("view", (message) => {
   if (message.sliders) showSliders(message.sliders);
   showValues(message);
   showStart(message);
-  for (const field of document.querySelectorAll("[data-field]")) {
-    if (field !== document.activeElement || field.tagName === "SELECT") {
-      field.value = message.view[field.dataset.field];
-    }
+  for (const field of document.querySelectorAll("input[data-field]")) {
+    if (field !== document.activeElement) field.value = message.view[field.dataset.field];
   }
-  for (const list of document.querySelectorAll("[data-list]")) {
-    list.value = message[list.dataset.list][list.dataset.place] ?? "";
-  }
+  showChoices(message);
   for (const field of document.querySelectorAll("[data-between]")) {
     const value = message.between[field.dataset.between];
     if (field !== document.activeElement) field.value = value === undefined ? "" : text(value);
@@ -195,6 +207,7 @@ on("work", (message) => {
 });
 
 on("refused", (message) => {
+  if (choices) showChoices(choices);
   asked.get(message.n)?.classList.add("wrong");
   landed(message.n, false);
 });

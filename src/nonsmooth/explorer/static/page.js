@@ -95,7 +95,7 @@ on("work", (message) => {
 // What stood of another system, or of a task that has nothing to do, is taken away.
 on("clear", ({ task }) => {
   const note = byId(`${task}-note`);
-  if (note) note.replaceChildren();
+  if (note) setNote(note, "");
   const said = byId(`${task}-said`);
   if (said) Object.assign(said, { textContent: "", title: "", className: "said" });
   if (task === "motion") chips("modes", []);
@@ -106,13 +106,26 @@ on("clear", ({ task }) => {
   if (task === "motion") for (const pane of ["history", "portrait"]) setMarks(pane, []);
 });
 
+// A note lies over its picture, so it can be put away; it comes again with other words.
+function setNote(note, words) {
+  if (note.dataset.words === words) return;
+  note.dataset.words = words;
+  note.replaceChildren();
+  if (!words) return;
+  const away = document.createElement("button");
+  Object.assign(away, { className: "away", title: "Hide this note" });
+  away.setAttribute("aria-label", "Hide this note");
+  away.addEventListener("click", () => note.replaceChildren());
+  note.append(away, words);
+}
+
 function tellNote(note, task, message) {
   if (message.state === "done" && !message.message) return; // a note of the pieces stays
-  note.replaceChildren(message.message ?? "");
+  setNote(note, message.message ?? "");
   if (message.go_on) {
     const more = Object.assign(document.createElement("button"), { className: "link", textContent: message.go_on });
     more.addEventListener("click", () => send({ do: "go on", task }));
-    note.append(" ", more);
+    note.append(" ", more); // after the words, and beside the button that hides them
   }
 }
 
@@ -136,7 +149,7 @@ on("piece", (message) => {
   window.explorer.painted[task] = (window.explorer.painted[task] ?? 0) + 1;
   if (work.has(task)) work.set(task, message.said ?? "");
   for (const plot of plotsOf(task)) plot.classList.remove("stale");
-  if (message.remark !== undefined) write(byId(`${task}-note`), message.remark);
+  if (message.remark !== undefined) setNote(byId(`${task}-note`), message.remark);
   if (task === "motion") {
     release();
     landed(message.n);
