@@ -16,6 +16,7 @@ import xarray as xr
 
 import nonsmooth as ns
 from nonsmooth import Exit, Mode, OptionError, ResultWarning, RunError, System
+from nonsmooth.cluster.task_progress import message_of
 from nonsmooth.cluster.tile_store import TileStore
 from nonsmooth.runs.claims import Claims
 
@@ -485,3 +486,8 @@ def test_numbers_of_tiles_and_sizes(tmp_path):
         ns.cluster.plan_map(
             tmp_path / "m.zarr", ns.models.soft_impact(), over, initial=xr.Dataset()
         )
+
+
+def test_one_tile_is_not_many():
+    assert message_of("tiles", 1, 1, 0, 0) == "the only tile is done"
+    assert message_of("tasks", 2, 2, 0, 0) == "all 2 tasks are done"

@@ -2,11 +2,14 @@
 
 import os
 import random
+import re
+import signal
 import subprocess
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -72,6 +75,28 @@ def test_parts_of_a_job_array(tmp_path):
     for each in crew:
         each.communicate()
     assert_same(store, ns.regime_map(SYSTEM, over(24), **SHORT))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="job scripts are scripts of a POSIX shell")
+def test_the_job_script_of_the_page_ends_in_order_when_its_shell_is_interrupted(tmp_path):
+    """``#SBATCH --signal=B:INT`` is for the shell that runs the script, and nobody else."""
+    page = Path(__file__).parents[2] / "docs" / "how-to" / "larger-than-one-machine.md"
+    blocks = re.findall(r"```bash\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    (script,) = [each for each in blocks if "nonsmooth work" in each]
+    (tmp_path / "job.sh").write_text(script, encoding="utf-8")
+    store = tmp_path / "map.zarr"
+    ns.cluster.plan_map(store, SYSTEM, over(96), tile=8, **SHORT)
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    words = {"SCRATCH": str(tmp_path), "SLURM_CPUS_PER_TASK": "1", "PATH": path}
+    job = subprocess.Popen(
+        ["bash", tmp_path / "job.sh"], stdout=subprocess.DEVNULL, env=os.environ | words,
+        start_new_session=True,
+    )  # fmt: skip
+    while not written(store) and job.poll() is None:
+        time.sleep(0.05)
+    job.send_signal(signal.SIGINT)
+    assert job.wait() == 130
+    assert 0 < len(written(store)) < 144
 
 
 def test_a_pool_of_processes(tmp_path):

@@ -59,7 +59,7 @@ def task_progress(folder: Path) -> xr.Dataset:
 def message_of(what: str, count: int, done: int, claimed: int, failed: int) -> str:
     """How far it is, in words."""
     if done == count:
-        return f"all {count} {what} are done"
+        return f"all {count} {what} are done" if count != 1 else f"the only {what[:-1]} is done"
     more = [f"{number} {how}" for number, how in ((claimed, "under way"), (failed, "failed"))
             if number]  # fmt: skip
     return "; ".join([f"{done} of {count} {what} are done", *more])
