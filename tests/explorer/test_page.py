@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from explorer.conftest import SMALL
+from explorer.conftest import SMALL, Screen
 from explorer.typed_systems import RIGID, ZENO
 from nonsmooth.explorer.links import from_link, to_link
 from nonsmooth.explorer.openings import opening, presets
@@ -604,3 +604,25 @@ def test_a_note_over_a_picture_can_be_put_away(screen, wall):
     note = screen.page.locator("#motion-note")
     note.get_by_role("button", name="Hide this note").click()
     assert not note.is_visible()
+
+
+@pytest.mark.slow
+def test_a_server_that_has_ended_is_told_and_one_at_its_address_goes_on(chromium, wall):
+    page = ns.explore(link=to_link(wall), browser=False)
+    port = int(page.url.partition("/#")[0].rpartition(":")[2])
+    context = chromium.new_context()
+    try:
+        screen = Screen(context.new_page(), f"http://127.0.0.1:{port}").open(wall)
+        field = screen.page.get_by_label("value of r", exact=True)
+        field.fill("0.5")
+        screen.after("motion", lambda: field.press("Enter")).settle()
+        page.stop()
+        screen.page.locator("#work-text").get_by_text("not connected").wait_for()
+        assert "The server of this page has ended" in screen.page.locator("#toast").inner_text()
+        page = ns.explore(port=port, browser=False)
+        screen.page.locator("#toast").wait_for(state="hidden")  # it tries again, and later again
+        screen.page.wait_for_function("window.explorer?.painted.motion > 0")
+        assert float(field.input_value()) == 0.5
+    finally:
+        context.close()
+        page.stop()

@@ -121,6 +121,8 @@ def build_page(document: Document, view: View, crew: Crew, seconds: float) -> Se
     document.add_root(to_page)
     document.add_root(from_page)
     document.title = "nonsmooth"
+    # the page tells in its own words where the server has gone, and begins anew with the next one
+    document.config.update(notify_connection_status=False, reconnect_session=False)
     document.template = Template(_static("page.html"))
     document.template_variables.update(_variables())
     document.on_session_destroyed(lambda context: session.close())

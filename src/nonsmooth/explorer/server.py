@@ -88,7 +88,7 @@ class ExplorerServer:
             with suppress(KeyboardInterrupt):  # the way to end it
                 server.io_loop.start()
             server.stop(wait=False)
-            server.io_loop.close()
+            server.io_loop.close(all_fds=True)  # pages that are open see that it has ended
         finally:
             self.crew.close()
 

@@ -12,6 +12,7 @@ const names = {
   picture: "picture",
 };
 const patience = 150; // milliseconds in which a motion is there, mostly; then one is told of it
+const again = 3000; // milliseconds after which a server that has gone is looked for again
 let link = "";
 let workTimer = 0;
 window.explorer = { gestures, timings, painted: {}, work };
@@ -238,6 +239,25 @@ function toast(text) {
   clearTimeout(toastTimer);
   toastTimer = setTimeout(() => { place.hidden = true; }, 8000);
 }
+
+// Without the server nothing is computed. What is shown stays, and the address says what it is.
+on("lost", () => {
+  work.clear();
+  byId("work").classList.remove("busy");
+  byId("stop").hidden = true;
+  clearTimeout(workTimer);
+  write(byId("work-text"), "not connected");
+  toast(
+    "The server of this page has ended, or cannot be reached: nothing is computed any more. Start it again at this" +
+      " address, or copy the link, and open it on another server.",
+  );
+  clearTimeout(toastTimer);
+  // another server knows nothing of this page: a new page shows what the address says
+  setInterval(async () => {
+    const answer = await fetch(location.pathname, { cache: "no-store" }).catch(() => null);
+    if (answer?.ok) location.reload();
+  }, again);
+});
 
 on("refused", (message) => {
   if (message.of !== "text") toast(message.message);

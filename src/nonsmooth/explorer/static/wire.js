@@ -33,6 +33,7 @@ export function connect(ready) {
     outgoing = document_?.get_model_by_name("from_page");
     if (!incoming || !outgoing) return;
     clearInterval(timer);
+    document_.on_event("connection_lost", () => hear({ type: "lost" }));
     incoming.properties.tags.change.connect(() => {
       const { plain, arrays } = incoming.tags[0];
       hear({ ...JSON.parse(plain), ...arrays });
