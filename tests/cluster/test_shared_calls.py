@@ -1,6 +1,8 @@
 """One call on many workers, and many calls: results of one process, whatever happens on the way."""
 
 import os
+import subprocess
+import sys
 import threading
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
@@ -14,19 +16,28 @@ from nonsmooth import OptionError, ResultWarning, RunError
 
 SYSTEM = ns.models.soft_impact()
 OVER = np.linspace(0.6, 0.9, 40)
+MANY = np.linspace(0.6, 0.9, 1500)  # a task has some hundred of such columns
 SHORT = {"transient": 50, "record": 10}
 
 
 def test_threads_of_a_pool_share_a_diagram(tmp_path):
     with ThreadPoolExecutor(2) as pool:
         found = ns.cluster.distribute(
-            ns.bifurcation_diagram, SYSTEM, "omega", OVER,
+            ns.bifurcation_diagram, SYSTEM, "omega", MANY,
             executor=pool, store=tmp_path / "s", **SHORT,
         )  # fmt: skip
-    xr.testing.assert_identical(found, ns.bifurcation_diagram(SYSTEM, "omega", OVER, **SHORT))
+    xr.testing.assert_identical(found, ns.bifurcation_diagram(SYSTEM, "omega", MANY, **SHORT))
     job = ns.cluster.progress(tmp_path / "s")
+    assert int(job["tasks"]) > 1
     assert job.attrs["message"] == f"all {int(job['tasks'])} tasks are done"
     assert int(job["claimed"]) == 0 and float(job["time_left"]) == 0.0
+
+
+def test_threads_need_not_import_dask_at_once():
+    """xarray does so where it is installed, and one of two threads would find half a module."""
+    code = "import sys, nonsmooth.runs.labels; print('dask.base' in sys.modules)"
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.split() == ["True"]
 
 
 @pytest.mark.slow

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
@@ -16,6 +18,11 @@ from nonsmooth.system.system import System
 __all__ = ["Columns", "Labels", "assemble", "labels_of", "with_doubts"]
 
 Columns = dict[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]]
+
+# Where dask is installed, xarray imports it for the first index that it makes. Of two threads that
+# do so at once one finds half a module; here one imports it for all.
+with suppress(ImportError):
+    importlib.import_module("dask.base")
 
 # not public, so it is taken only where it is found
 _direct = getattr(xr.Dataset, "_construct_direct", None)
