@@ -84,7 +84,7 @@ def asked(monkeypatch):
 
     def follow(system, parameter, between, **options):
         calls["branch"] = {"parameter": parameter, "between": between, **options}
-        return branch()
+        return calls.get("branches", branch())
 
     monkeypatch.setattr(ns, "find_orbit", find, raising=False)
     monkeypatch.setattr(ns, "continue_orbit", follow, raising=False)
@@ -154,6 +154,49 @@ def test_no_orbit_is_said_with_its_cure(call, asked, tmp_path):
     result = call("continue", "soft_impact", "--over", "omega=0.7:0.9")
     assert result.exit_code == 1 and "try a longer transient" in result.stdout
     assert "no orbit to start from" in result.stderr and "branch" not in asked
+
+
+@pytest.mark.parametrize(
+    ("ends", "points", "code"),
+    [
+        (("bound", "grazing"), 5, 0),
+        (("start", "steps"), 5, 0),
+        (("closed", "closed"), 5, 0),
+        (("hopf", "unbounded"), 5, 0),
+        (("singular", "singular"), 1, 1),
+        (("grazing", "start"), 1, 1),
+        (("bound", "singular"), 5, 1),
+        (("smallest_step", "bound"), 5, 1),
+        (("bound", "domain"), 5, 1),
+        (("fault", "bound"), 5, 1),
+    ],
+)
+def test_the_exit_code_of_a_branch_is_that_of_its_ends(call, asked, ends, points, code):
+    found = branch().isel(point=slice(points), special=slice(0))
+    asked["branches"] = found.assign_attrs(end_first=ends[0], end_last=ends[1])
+    result = call("continue", "soft_impact", "--over", "omega=0.7:0.9")
+    assert result.exit_code == code, result.stderr
+    assert value(result.stdout, "last end").startswith(ends[1])
+
+
+def test_a_branch_of_an_interrupted_call_has_its_own_exit_code(call, asked):
+    found = branch().isel(point=slice(1), special=slice(0))
+    asked["branches"] = found.assign_attrs(status="interrupted")
+    assert call("continue", "soft_impact", "--over", "omega=0.7:0.9").exit_code == 130
+
+
+@pytest.mark.slow
+def test_a_branch_with_no_orbit_beside_its_first_one_is_nothing_found(call, tmp_path):
+    """Free oscillations of any amplitude: the orbits fill the plane, and there is no one curve."""
+    text = """states = ["x", "v"]
+parameters = { k = 1.0 }
+period = "2*pi"
+equations = { x = "v", v = "-k*x" }
+"""
+    (tmp_path / "free.toml").write_text(text)
+    result = call("continue", tmp_path / "free.toml", "--over", "k=0.5:1.5", "--initial", "x=1.5")
+    assert value(result.stdout, "last end") == "singular, at k = 1"
+    assert result.exit_code == 1, result.stderr
 
 
 @pytest.mark.slow

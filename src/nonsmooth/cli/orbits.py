@@ -25,6 +25,7 @@ _MOST_LEGS = 40  # that are printed
 _MOST_MODES = 12  # of a word
 _MOST_BORDERS = 60  # that are printed
 _MOST_SPECIAL = 60  # points that are printed
+_NOT_FOLLOWED = {"singular", "smallest_step", "domain", "fault"}  # ends where a branch may go on
 
 
 def orbit(task: Task) -> None:
@@ -163,7 +164,16 @@ def follow(task: Task) -> None:
     report = _branch_report(branch)
     if task["criticality"]:
         _add_criticality(report, ns.criticality(branch), parameter)
-    task.finish(branch, report, code=task.by_status(branch))
+    task.finish(branch, report, code=task.by_status(branch) or _code_of_ends(branch))
+
+
+def _code_of_ends(branch: xr.Dataset) -> int:
+    """Exit code of a branch: whether it has an orbit beside the first one, and ends of its own.
+
+    Steps that are used up are as many as were asked for.
+    """
+    ends = {branch.attrs["end_first"], branch.attrs["end_last"]}
+    return ENDED_EARLY if branch.sizes["point"] < 2 or ends & _NOT_FOLLOWED else 0
 
 
 def _range(system: System, over: str) -> tuple[str, tuple[float, float]]:
