@@ -28,12 +28,12 @@ from nonsmooth.engine.lanes import (
     run_lanes,
 )
 from nonsmooth.engine.status import EventKind, Status
+from nonsmooth.periodic_orbits.departure import Departure
 from nonsmooth.periodic_orbits.equations import OrbitEquations, Turn
 from nonsmooth.periodic_orbits.legs import LegError, Legs
 from nonsmooth.periodic_orbits.onto import chatters
 from nonsmooth.periodic_orbits.rebounds import with_rebounds_of_engine
 from nonsmooth.periodic_orbits.word import Word, path_of_bits
-from nonsmooth.runs.labels import labels_of
 
 __all__ = ["Admissibility", "check_admissible"]
 
@@ -41,8 +41,10 @@ Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 _ROWS = 2  # of the event log of a lane: one event, one to spare; full after it, so it stops there
+_Touches = list[tuple[int, float]]  # exits whose guards a lane has only touched, and when
 _AT_SECTION = 1e-12  # part of the turn by which an event may lie behind the section
 _LATE = 1e-9  # part of the turn by which the engine may find an event elsewhere
+_MOST_LATE = 1e-3  # the same where rounding could move the event by any time: a guard is touched
 _SAME = 1e-9  # of the size of each state: one that rounding may have changed
 _ROUNDING = 1e-11  # of the terms of a guard, likewise, over its rate
 
@@ -61,6 +63,7 @@ class _Lanes(NamedTuple):
     anchors: Anchor
     records: Records
     status: Integers
+    touches: list[_Touches]
 
 
 class _Expected(NamedTuple):
@@ -100,7 +103,7 @@ def check_admissible(equations: OrbitEquations, turn: Turn, tolerance: float) ->
     short = np.flatnonzero((turn.durations < least) | ((turn.durations <= 0.0) & (least == 0.0)))
     if short.size:
         k = int(short[0])
-        return Admissibility(False, f"leg {k + 1} ({_name(equations, k)}) lasts no time", k)
+        return Admissibility(False, f"leg {k} ({_name(equations, k)}) lasts no time", k)
     if word.n_events == 0:
         return _check_without_events(equations, turn, tolerance)
     instants = turn.instants[:-1] + 0.5 * turn.durations
@@ -146,7 +149,10 @@ def _check_without_events(equations: OrbitEquations, turn: Turn, tolerance: floa
     begins = lanes.records.events["passes"][0, 0] > 0
     if lanes.status[0] == Status.COMPLETED and row < 0 and not begins:
         return Admissibility(True)
-    return _instead(equations, lanes, 0, 0, row)
+    expected = _Expected(
+        equations, turn.instants[1:], np.zeros(1), turn, np.zeros((0, 0)), tolerance
+    )
+    return _instead(expected, lanes, 0, 0, row)
 
 
 def _allowed(equations: OrbitEquations, turn: Turn, middles: Floats) -> tuple[Floats, Floats]:
@@ -164,7 +170,7 @@ def _allowed(equations: OrbitEquations, turn: Turn, middles: Floats) -> tuple[Fl
     terms = np.abs(found.guard_row[:, :n]) @ largest
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = _ROUNDING * (terms + np.abs(found.guard)) / np.abs(found.guard_rate)
-    allowed = _LATE * length + np.nan_to_num(slow, nan=0.0, posinf=1e-3 * length)
+    allowed = _LATE * length + np.minimum(np.nan_to_num(slow, nan=0.0), _MOST_LATE * length)
     return allowed, found.start_rates.copy()
 
 
@@ -183,7 +189,7 @@ def _start(legs: Legs, states: Floats, instants: Floats, rows: int) -> _Lanes:
     number = np.floor(instants / window).astype(np.int64)
     anchors = lane_anchors(sizes, number, instants - number * window, states)
     records = lane_records(sizes, np.zeros(0, np.int64), np.zeros(0), rows, count)
-    return _Lanes(anchors, records, np.zeros(count, np.int64))
+    return _Lanes(anchors, records, np.zeros(count, np.int64), [[] for _ in range(count)])
 
 
 def _hidden(lanes: _Lanes, turn: Turn) -> npt.NDArray[np.bool_]:
@@ -207,6 +213,7 @@ def _some(lanes: _Lanes, chosen: Integers) -> _Lanes:
         ),
         replace(records, events=records.events[chosen], counters=records.counters[chosen]),
         lanes.status[chosen],
+        [lanes.touches[j] for j in chosen.tolist()],
     )  # fmt: skip
 
 
@@ -225,19 +232,42 @@ def _behind(legs: Legs, lanes: _Lanes, turn: Turn, passed: Integers) -> _Lanes:
 def _run(legs: Legs, lanes: _Lanes, how: Integers, end: float, tolerance: float) -> None:
     """Run each lane to its first event, or to an instant where there is none.
 
-    The log of a lane is full after its first event, so that the engine stops there.
+    The log of a lane is full after its first event, so that the engine stops there. A guard that is
+    only touched is no event: the lane leaves it behind and goes on.
     """
+    logged = lanes.records.counters["events"].copy() + (how != GOES_ON)
+    _run_on(legs, lanes, how, end, tolerance, 0, len(lanes.status))
+    for j in range(len(lanes.status)):
+        while lanes.status[j] == Status.BUFFER_FULL and _first_event(lanes, j) < 0:
+            _note_touches(legs, lanes, j)
+            lanes.records.counters["events"][j] = logged[j]
+            _run_on(legs, lanes, how, end, tolerance, j, j + 1)
+        _note_touches(legs, lanes, j)
+
+
+def _run_on(
+    legs: Legs, lanes: _Lanes, how: Integers, end: float, tolerance: float, first: int, last: int
+) -> None:
+    """Run some lanes until their logs are full, or to an instant."""
     sizes, window = legs.tables.sizes, legs.window
     number = int(np.floor(end / window))
-    count = len(lanes.status)
-    tangent = lane_tangents(allocate_tangent(sizes, -1, 0), count)
-    first, passed, segment = 0, np.zeros(2, np.int64), allocate_segment(sizes)
-    while first < count:
+    tangent = lane_tangents(allocate_tangent(sizes, -1, 0), len(lanes.status))
+    passed, segment = np.zeros(2, np.int64), allocate_segment(sizes)
+    while first < last:
         first = run_lanes(
             legs.tables.as_lanes, no_rates(), no_scratch(), lanes.anchors,
-            segment, tangent, lanes.records, how, first, count, number,
+            segment, tangent, lanes.records, how, first, last, number,
             end - number * window, passed, lanes.status, tolerance,
         )  # fmt: skip
+
+
+def _note_touches(legs: Legs, lanes: _Lanes, j: int) -> None:
+    """Keep the tangencies in the log of a lane."""
+    count = int(lanes.records.counters["events"][j])
+    for row in lanes.records.events[j, :count]:
+        if row["kind"] == EventKind.GRAZE:
+            instant = float(row["number"] * legs.window + row["phase"])
+            lanes.touches[j].append((int(row["exit"]), instant))
 
 
 def _compare(
@@ -288,7 +318,7 @@ def _compare_one(expected: _Expected, lanes: _Lanes, j: int, k: int) -> tuple[Ad
                 return Admissibility(True), False
     if _rests_as_well(expected, k):
         return Admissibility(True), False
-    return _instead(equations, lanes, j, k, row), False
+    return _instead(expected, lanes, j, k, row), False
 
 
 def _rests_as_well(expected: _Expected, k: int) -> bool:
@@ -323,23 +353,23 @@ def _one_by_one(expected: _Expected, lanes: _Lanes, j: int, k: int) -> bool:
     return False
 
 
-def _instead(equations: OrbitEquations, lanes: _Lanes, j: int, k: int, row: int) -> Admissibility:
+def _instead(expected: _Expected, lanes: _Lanes, j: int, k: int, row: int) -> Admissibility:
     """What the engine finds instead of the event that ends leg k."""
-    system, name = equations.legs.system, _name(equations, k)
-    where = f"leg {k + 1} ({name})"
+    departure = Departure(
+        expected.equations, expected.turn, k, float(expected.instants[k]),
+        float(expected.allowed[k]), lanes.touches[j],
+    )  # fmt: skip
     if row < 0:
-        status = Status(int(lanes.status[j]))
-        if status == Status.INADMISSIBLE:
-            return Admissibility(False, f"{where} runs where a guard of its mode is negative", k)
-        return Admissibility(False, f"in {where} the exit does not fire: {status.word}", k)
-    event = lanes.records.events[j, row]
-    path = path_of_bits(int(event["path"]), int(event["passes"])) or ()
-    instant = _instant(equations, lanes, j, row)
-    words = labels_of(system).path(
-        int(event["from_mode"]), int(event["path"]), int(event["passes"])
+        place = lanes.anchors.place
+        instant = float(place["number"][j] * expected.equations.legs.window + place["phase"][j])
+        reason = departure.without_event(Status(int(lanes.status[j])), instant)
+        return Admissibility(False, reason, departure.leg_at(instant))
+    event, instant = lanes.records.events[j, row], _instant(expected.equations, lanes, j, row)
+    reason = departure.by_event(
+        int(event["from_mode"]), int(event["path"]), int(event["passes"]), instant
     )
-    reason = f"in {where} the motion leaves by {words!r} at t = {instant:.9g}"
-    return Admissibility(False, reason, k, path, instant)
+    path = path_of_bits(int(event["path"]), int(event["passes"])) or ()
+    return Admissibility(False, reason, departure.leg_at(instant), path, departure.time(instant))
 
 
 def _instant(equations: OrbitEquations, lanes: _Lanes, j: int, row: int) -> float:

@@ -366,7 +366,7 @@ def _detail(stretch: BranchStretch, name: str, start: BranchStart, point: Point)
         kind, *numbers = name.split(":")
         k = int(numbers[0]) if numbers and numbers[0].isdigit() else 0
         k -= kind in ("leg", "rate") and k > 0
-        what = f"leg {k + 1} ({system.mode_names[word.modes[k]]}) {_AT_BORDER[start.kind]}"
+        what = f"leg {k} ({system.mode_names[word.modes[k]]}) {_AT_BORDER[start.kind]}"
     # at the border of what slides an orbit is there on either side
     # where an impact has no speed the parameter may change with the square of what does
     before = stretch.trail.way(word) or point.tangent_p

@@ -21,7 +21,7 @@ def in_words(system: System, word: Word, name: str) -> str:
     kind, *numbers = name.split(":")
     k = len(word) - 1 if numbers == ["last"] else int(numbers[0]) if numbers else 0
     mode = word.modes[k]
-    leg = f"leg {k + 1} ({system.mode_names[mode]})"
+    leg = f"leg {k} ({system.mode_names[mode]})"
     if kind in _TOUCHES:
         e = word.paths[k][0] if kind == "rate" else int(numbers[1])
         return f"{leg} {_TOUCHES[kind].format(system.structure.running[mode].exit_in_words(e))}"
