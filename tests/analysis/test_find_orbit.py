@@ -192,7 +192,7 @@ def test_orbits_of_other_systems_and_several_orbits_are_refused():
         equations={"x": "v", "v": "s - x - 0.1*v"},
         signals={"s": ns.Signal([0.0, 1.0, 2.0, 3.0], [0.0, 0.1, 0.0, 0.1])},
     )
-    with pytest.raises(ns.OptionError, match="no motion repeats exactly"):
+    with pytest.raises(ns.OptionError, match="no motion repeats"):
         ns.find_orbit(driven_by_record)
 
 

@@ -611,7 +611,7 @@ def test_systems_that_cannot_settle():
         signals={"u": ns.Signal([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 0.0, 1.0])},
         equations={"x": "-x + u"},
     )
-    with pytest.raises(OptionError, match="measured input"):
+    with pytest.raises(OptionError, match="has the signal 'u', which does not repeat"):
         ns.regime(measured, period=1.0)
 
 

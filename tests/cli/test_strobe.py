@@ -36,6 +36,20 @@ def test_other_periods_and_drift(call):
     assert value(result.stdout, "repeats") == "after 1 points"
 
 
+def test_points_of_what_does_not_repeat(call, tmp_path):
+    """x = t at all times: the strobes are there, and nobody looks for a period in them."""
+    file = tmp_path / "ramp.toml"
+    file.write_text('states = ["x"]\nperiod = "2"\nequations = { x = "1 - x + t" }\n')
+    result = call("strobe", file, "--transient", "0", "--record", "9")
+    assert result.exit_code == 0, result.stderr
+    assert value(result.stdout, "last point") == "x = 16"
+    assert value(result.stdout, "repeats") == (
+        "no: t by itself in the rate of 'x' in mode 'flow' does not either"
+    )
+    result = call("zero-one", file, "--record", "300")
+    assert result.exit_code == 2 and "which does not repeat" in result.stderr
+
+
 def test_an_early_end(call, accumulating):
     result = call("strobe", "ball", "--period", "1", "--transient", "0", "--initial", "h=1")
     assert result.exit_code == 1

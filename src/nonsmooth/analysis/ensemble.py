@@ -14,7 +14,7 @@ from nonsmooth.analysis.ensembles.ensemble_dataset import Frame
 from nonsmooth.analysis.ensembles.members import mappings_of, members_of, split_parameters
 from nonsmooth.analysis.ensembles.work import Work
 from nonsmooth.analysis.options import SharedOptions, system_attributes
-from nonsmooth.errors import OptionError
+from nonsmooth.errors import ModelError, OptionError
 from nonsmooth.runs.clock import Instant, Plan, plan_run
 from nonsmooth.runs.labels import Columns, labels_of
 from nonsmooth.runs.lane_runner import LaneRunner
@@ -115,6 +115,9 @@ def ensemble(
 
     Notes
     -----
+    The equations need not repeat: under ``signals``, or with t by itself in them, strobes are
+    instants to look at, and nothing is said of what the runs settle to.
+
     Runs are spread over threads in chunks that do not depend on their number, and each run is
     computed by itself: digits depend neither on threads nor on the other runs.
 
@@ -154,6 +157,7 @@ def ensemble(
         n_points=len(next(iter(along.values()))[1]),
         mode=mode,
     )
+    _check_records(protocol)
     options = {
         "combine": combine,
         **recorded,
@@ -176,6 +180,18 @@ def ensemble(
         "times": along["time"][1] if "time" in along else [],
     }
     return work.in_store(frame, store, asked)
+
+
+def _check_records(protocol: EnsembleProtocol) -> None:
+    """Every signal is known until the end of each run, whose length may depend on parameters."""
+    system, members = protocol.system, protocol.members
+    for number in range(members.n_sets if system.signals else 0):
+        try:
+            window = system.with_parameters(**members.parameters(number)).period_value
+        except ModelError:
+            continue  # runs with these values are refused
+        if window is not None:
+            check_signals(system, 0.0, protocol.plan(window).end.time(window))
 
 
 def _plan(

@@ -89,7 +89,8 @@ def lyapunov_spectrum(
         Periods for which a chaotic motion is run on behind the record, without derivatives, to see
         whether it was a transient; 0 for none. Where the system has no period it is run on for as
         many times as it takes to come back, on average. It goes on from a point beside its last
-        one, by 1e-8 of its size. Measured inputs, of ``signals``, end and are not run on with.
+        one, by 1e-8 of its size. Where the equations do not repeat, as with ``signals``, or with t
+        by itself, it is not run on.
     parameters : mapping of str to float, optional
         Values of parameters that differ from those of the system.
     tolerance : float, optional
@@ -155,6 +156,9 @@ def lyapunov_spectrum(
     are 200 and 1000 units of time. Where no state comes back in a record, however its length was
     chosen, and the motion does not die out either, the attribute ``settled`` is 0, and a warning
     and the message say so.
+
+    Where the equations do not repeat, exponents are those of this stretch of this motion: nothing
+    tells what they are later.
 
     Standard errors come from the averages of 32 blocks of the record, or a few more, each a
     whole number of intervals, and are no smaller than what a cycle that the record cuts off leaves
@@ -246,7 +250,7 @@ def lyapunov_spectrum(
         tolerance=tolerance,
     )  # fmt: skip
     try:
-        horizon = look_on(confirm=0 if system.signals else more)
+        horizon = look_on(confirm=0 if system.unrepeated else more)
     except KeyboardInterrupt:  # the record is there, and tells what it tells without `confirm`
         horizon, run = look_on(confirm=0), replace(run, status=Status.INTERRUPTED)
     counts = _counts(strobe, periodic)

@@ -218,11 +218,6 @@ def _read_map(
     """The map, applied so many times, and the coordinate."""
     hidden = not isinstance(system, PoincareMap)
     chosen = map_of(system, parameters, tolerance, "return_map", mode=mode, states_only=hidden)
-    if chosen.system.signals:
-        raise OptionError(
-            "return_map: a measured input does not repeat, so that there is no map; take"
-            " poincare_section for points of one motion"
-        )
     return chosen ** whole_number("order", order), read_coordinate(chosen, coordinate)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.runs.options import check_run_options, whole_number
-from nonsmooth.runs.stroboscopic_map import StrobeRequest, StroboscopicMap, strobe_points
+from nonsmooth.runs.strobed_motion import StrobeRequest, StrobeSchedule, strobe_points
 from nonsmooth.system.system import System
 
 if TYPE_CHECKING:
@@ -82,7 +82,8 @@ def stroboscopic_map(
     Notes
     -----
     The strobes of the period of a system are taken at exactly the same phase, however late; those
-    of another period at times that are rounded once each.
+    of another period at times that are rounded once each. The equations need not repeat: a motion
+    under ``signals``, or with t by itself in its equations, has its points as well.
 
     References
     ----------
@@ -97,7 +98,7 @@ def stroboscopic_map(
     ({'point': 50}, 'completed')
     """
     system = check_run_options(system, parameters, mode, tolerance)
-    chosen = StroboscopicMap(system, phase=phase, period=period)
+    chosen = StrobeSchedule(system, phase=phase, period=period)
     wanted = StrobeRequest(
         initial,
         transient=whole_number("transient", transient, 0),

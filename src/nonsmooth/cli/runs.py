@@ -255,8 +255,9 @@ def strobe(task: Task) -> None:
     _add_points(report, points, count)
     if count:
         _add_times(report, points)
-        repeats = period_of_points(points, _MATCH)
+        repeats = 0 if system.unrepeated else period_of_points(points, _MATCH)
         text = f"after {repeats} points" if repeats else "not within these points"
+        text = f"no: {system.unrepeated} does not either" if system.unrepeated else text
         report.add("repeats", text, repeats=repeats or None)
         _add_point(report, "last point", points, system.states, -1)
     _finish_points(task, points, report, shown)
@@ -426,9 +427,11 @@ def _spectrum_report(result: xr.Dataset, drifting: Sequence[str]) -> Report:
 def zero_one(task: Task) -> None:
     """``nonsmooth zero-one``."""
     from nonsmooth.analysis.zero_one_test import zero_one_test
+    from nonsmooth.runs.strobe_times import require_repeats
     from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 
     system = task.system
+    require_repeats(system, "zero-one")
     if task["period"] is not None:
         StroboscopicMap(system, period=task["period"]).check_whole_periods()
     known = [*system.states, *system.outputs]

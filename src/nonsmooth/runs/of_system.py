@@ -8,7 +8,7 @@ from typing import Any
 from nonsmooth.errors import OptionError, quote
 from nonsmooth.runs.maps import Map
 from nonsmooth.runs.options import check_run_options
-from nonsmooth.runs.strobe_times import require_period
+from nonsmooth.runs.strobe_times import require_period, require_repeats
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
@@ -40,6 +40,7 @@ def map_of(
                 " to StroboscopicMap, or leave it out"
             )
         chosen = given.with_parameters(**parameters) if parameters else given
+        require_repeats(chosen.system, verb)
         if states_only:
             chosen.check_states_suffice(verb)
         return chosen
@@ -49,6 +50,7 @@ def map_of(
             " ns.models, or make a map of one with ns.StroboscopicMap or ns.PoincareMap"
         )
     system = check_run_options(given, parameters, mode, tolerance)
+    require_repeats(system, verb)
     if not system.slow:  # about which the map has more to say
         section = "" if strobes_only else ", or ns.PoincareMap for a section of it"
         require_period(

@@ -14,7 +14,8 @@ from nonsmooth.runs.options import finite_number
 from nonsmooth.system.system import System
 
 __all__ = [
-    "check_phase", "hides_phase", "is_driven", "require_period", "strobes", "strobes_of_motions",
+    "check_phase", "hides_phase", "is_driven", "require_period", "require_repeats", "strobes",
+    "strobes_of_motions",
 ]  # fmt: skip
 
 
@@ -53,6 +54,19 @@ def require_period(system: System, verb: str, cure: str = _CURE) -> float:
     if period is None:
         raise OptionError(f"{verb}: {system.name!r} has no period to strobe at; {cure}")
     return float(period)
+
+
+def require_repeats(system: System, verb: str) -> None:
+    """Refuse equations that do not repeat: of maps, of what settles, and of what has a period.
+
+    Strobes of a single motion are there all the same.
+    """
+    if system.unrepeated:
+        raise OptionError(
+            f"{verb}: {system.name!r} has {system.unrepeated}, which does not repeat, so no motion"
+            " repeats or settles, and a state at a strobe does not say what follows; leave it out,"
+            " or look at runs from one time with simulate or ensemble"
+        )
 
 
 def check_phase(phase: Any) -> float:

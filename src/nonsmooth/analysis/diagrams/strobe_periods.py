@@ -61,15 +61,11 @@ def strobe_periods(
 def period_of_points(points: xr.Dataset, match: float) -> int:
     """Period that the points of `stroboscopic_map` show, in points, or 0.
 
-    The motion runs through them once more, for natural sizes of its states; of systems in which
-    something never repeats there are none, and states count beside the sizes that they have.
+    The motion runs through them once more, for natural sizes of its states.
     """
     attrs, count = points.attrs, points.sizes["point"]
     system = System.from_toml(attrs["system"])
     states = np.column_stack([points[name].values for name in system.states])
-    if system.slow or system.signals:
-        drifting = np.isin(system.states, system.drift_states)
-        return int(settled_periods(states[None], drifting, match)[0])
     length, phase = float(attrs["strobe_period"]), float(attrs["phase_of_period"])
     own = length == system.period_value
     chosen = StroboscopicMap(system, phase=phase, period=None if own else length)

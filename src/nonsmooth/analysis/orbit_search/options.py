@@ -18,7 +18,7 @@ from nonsmooth.runs.part_names import OF_ORBITS, check_part_names
 from nonsmooth.runs.poincare_map import PoincareMap
 from nonsmooth.runs.runner import build_tables
 from nonsmooth.runs.start import refuse_other_parameters
-from nonsmooth.runs.strobe_times import check_phase, is_driven
+from nonsmooth.runs.strobe_times import check_phase, is_driven, require_repeats
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
@@ -62,12 +62,12 @@ def read_wanted(
     check_part_names(system, OF_ORBITS)
     if shared.parameters is None and hasattr(initial, "data_vars") and not is_orbit(initial):
         refuse_other_parameters(system, initial, "run" if "time" in initial.dims else "point")
-    if system.slow or system.unrepeated:
-        what = "slow=" if system.slow else system.unrepeated
+    if system.slow:
         raise OptionError(
-            f"{system.name}: with {what} no motion repeats exactly; leave it out and give fixed"
+            f"{system.name}: with slow= no motion repeats exactly; leave it out and give fixed"
             " values"
         )
+    require_repeats(system, verb)
     period = whole_number("period", period)
     period = period_of(initial) if period == 1 else period
     if period > _MOST_PERIODS:

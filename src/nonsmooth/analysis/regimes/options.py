@@ -8,7 +8,7 @@ from typing import Any
 from nonsmooth.analysis.options import check_match
 from nonsmooth.errors import OptionError
 from nonsmooth.runs.options import check_count, whole_number
-from nonsmooth.runs.strobe_times import check_phase, require_period
+from nonsmooth.runs.strobe_times import check_phase, require_period, require_repeats
 from nonsmooth.runs.stroboscopic_map import StroboscopicMap
 from nonsmooth.system.system import System
 
@@ -76,11 +76,7 @@ def check_system(system: System, period: Any, verb: str) -> None:
             f"{verb}: the parameters in slow= change from period to period, so nothing settles;"
             " leave slow= out"
         )
-    if system.signals:
-        raise OptionError(
-            f"{verb}: {next(iter(system.signals))!r} is measured input, which does not repeat, so"
-            " nothing settles; leave signals= out"
-        )
+    require_repeats(system, verb)
     if period is None:
         require_period(system, verb)
     StroboscopicMap(system, period=period).check_whole_periods()
