@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from nonsmooth.analysis.orbit_search.options import period_of, system_of_one
+from nonsmooth.errors import ResultWarning
+from nonsmooth.periodic_orbits.equations import Turn
+from nonsmooth.periodic_orbits.leg_samples import LegSamples, evenly, refined
 from nonsmooth.periodic_orbits.legs import Legs
 from nonsmooth.periodic_orbits.restart import guess_of_dataset
 from nonsmooth.periodic_orbits.word import Word
@@ -21,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["orbit_samples"]
 
-_PER_LEG, _PER_PERIOD = 50, 200  # intervals
+_PER_LEG, _PER_PERIOD = 50, 200  # intervals to begin with
 
 
 def orbit_samples(orbit: xr.Dataset, *, per_leg: int | None = None) -> xr.Dataset:
@@ -36,8 +41,8 @@ def orbit_samples(orbit: xr.Dataset, *, per_leg: int | None = None) -> xr.Datase
         Result of `find_orbit`, or one orbit of `orbits` or `continue_orbit`, as in
         ``branch.isel(point=3)``.
     per_leg : int, optional
-        Intervals in each leg; by default 50, and more in long legs: their share of 200 in each
-        period.
+        Intervals of equal length in each leg. By default 50, more in long legs, which have their
+        share of 200 in each period, and more where a leg oscillates or hurries; see notes.
 
     Returns
     -------
@@ -52,9 +57,22 @@ def orbit_samples(orbit: xr.Dataset, *, per_leg: int | None = None) -> xr.Datase
     OptionError
         When this is no orbit, or several.
 
+    Warns
+    -----
+    ResultWarning
+        When the orbit would need more samples than 20000: how far off straight lines between those
+        that there are may be.
+
     See Also
     --------
     simulate : motions from any start.
+
+    Notes
+    -----
+    Without ``per_leg`` straight lines between samples are off the motion by at most a thousandth of
+    the range of each state and output, which is the width of a line in a picture: that takes some
+    50 samples in an oscillation over the whole range. They are added where they are needed, as in
+    the beginning of a leg in which fast parts of the motion fade.
 
     Examples
     --------
@@ -71,13 +89,19 @@ def orbit_samples(orbit: xr.Dataset, *, per_leg: int | None = None) -> xr.Datase
     check_count(float(np.sum(counts + 1.0)))
     legs = Legs(system)
     legs.set_values(system.parameter_values)
-    leg = np.repeat(np.arange(len(word)), counts + 1)
-    shares = np.concatenate([np.linspace(0.0, 1.0, count + 1) for count in counts])
-    times = turn.instants[leg] + shares * turn.durations[leg]
-    modes = np.array(word.modes, np.int64)[leg]
-    cut = Word(tuple(int(m) for m in modes), ((),) * modes.size)
-    found = legs.follow_each(cut, turn.states[leg], turn.instants[leg], times)
-    return _dataset(system, legs, orbit, word, leg, times, modes, found.ends.copy())
+    samples = evenly(legs, word, turn, counts)
+    if per_leg is None:
+        drawn = partial(_drawn, system, legs, word, turn, samples.states[-1] - samples.states[0])
+        samples, off = refined(legs, word, turn, samples, drawn)
+        if off:
+            warnings.warn(
+                f"orbit_samples: the orbit changes so fast that between {samples.times.size}"
+                f" samples straight lines are up to {100.0 * off:.2g} % of the range of a variable"
+                " off, and maxima are too small; in Python per_leg= takes as many as you want",
+                ResultWarning,
+                stacklevel=2,
+            )
+    return _dataset(system, legs, orbit, word, samples)
 
 
 def _intervals(orbit: xr.Dataset, durations: Any, per_leg: int | None) -> Any:
@@ -89,21 +113,32 @@ def _intervals(orbit: xr.Dataset, durations: Any, per_leg: int | None) -> Any:
     return np.maximum(shares, _PER_LEG).astype(np.int64)
 
 
-def _dataset(
-    system: System, legs: Legs, orbit: Any, word: Word, leg: Any, times: Any, modes: Any,
-    states: Any,
-) -> xr.Dataset:  # fmt: skip
+def _drawn(
+    system: System, legs: Legs, word: Word, turn: Turn, drift: Any, samples: LegSamples
+) -> Any:
+    """States, without what they drift by in a turn, and outputs, (N, m)."""
+    share = (samples.times - turn.instants[0]) / (turn.instants[-1] - turn.instants[0])
+    outputs = _outputs(system, legs, word, samples)
+    return np.column_stack([samples.states - share[:, None] * drift, *outputs.values()])
+
+
+def _outputs(system: System, legs: Legs, word: Word, samples: LegSamples) -> dict[str, Any]:
+    window = legs.window
+    number = np.floor(samples.times / window).astype(np.int64)
+    clock = SampleClock(number, samples.times - number * window, legs.tables)
+    return output_values(system, clock, samples.states.T.copy(), word.mode_array[samples.leg])
+
+
+def _dataset(system: System, legs: Legs, orbit: Any, word: Word, samples: LegSamples) -> xr.Dataset:
     import xarray as xr
 
     labels, over = labels_of(system), ("time",)
-    window = legs.window
-    number = np.floor(times / window).astype(np.int64)
-    clock = SampleClock(number, times - number * window, legs.tables)
+    leg, modes = samples.leg, word.mode_array[samples.leg]
     variables: dict[str, Any] = {
-        name: (over, states[:, i].copy(), labels.attributes(name))
+        name: (over, samples.states[:, i].copy(), labels.attributes(name))
         for i, name in enumerate(system.states)
     }
-    for name, values in output_values(system, clock, states.T.copy(), modes).items():
+    for name, values in _outputs(system, legs, word, samples).items():
         variables[name] = (over, values, labels.attributes(name))
     exits = np.array([word.exit_text(system, k) for k in range(len(word))])
     variables |= {
@@ -113,7 +148,7 @@ def _dataset(
         "length": ((), float(orbit["length"]), dict(orbit["length"].attrs)),
         "admissible": ((), bool(orbit["admissible"]), dict(orbit["admissible"].attrs)),
     }
-    coords: dict[str, Any] = {"time": (over, times, labels.attributes("time"))}
+    coords: dict[str, Any] = {"time": (over, samples.times, labels.attributes("time"))}
     if "drift" in orbit:
         variables["drift"] = (("drift_state",), orbit["drift"].values, dict(orbit["drift"].attrs))
         coords["drift_state"] = (("drift_state",), np.array(tuple(system.drift)))
