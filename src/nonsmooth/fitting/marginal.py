@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import block_array, block_diag
+from scipy.sparse import block_array, block_diag, coo_array
 from scipy.sparse.linalg import splu
 
 from nonsmooth.errors import OptionError
@@ -92,7 +92,7 @@ class _States:
             own = (segments[:, None] * n + np.arange(n)).ravel()
             links = np.flatnonzero(np.isin(shooting.links[:, 0], segments))
             gaps = (links[:, None] * n + np.arange(n)).ravel()
-            blocks: Any = [[block_diag(squares[segments])]]
+            blocks: Any = [[block_diag([coo_array(square) for square in squares[segments]])]]
             if gaps.size:
                 closing = self.gaps[np.ix_(gaps, shooting.h + own)]
                 blocks = [[blocks[0][0], closing.T], [closing, None]]
