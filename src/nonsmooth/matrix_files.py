@@ -37,7 +37,7 @@ def read_matrix(name: str, path: Path, cure: str = "") -> Any:
         if suffix == ".mtx":
             from scipy.io import mmread
 
-            return mmread(path)
+            return mmread(path, spmatrix=False)
     except _FAULTS as error:
         fault = _NO_OBJECTS if _OBJECTS in str(error) else f"cannot be read: {error}"
         if _PICKLED in str(error):
@@ -99,7 +99,7 @@ def _mat(path: Path) -> dict[str, Any]:
     from scipy.io.matlab import MatReadError
 
     try:
-        found = loadmat(path)
+        found = loadmat(path, spmatrix=False)
     except NotImplementedError:  # what scipy says of files that are HDF5
         raise ModelError(
             f"path: {path.name} is a file of MATLAB's version 7.3; save it with '-v7'"

@@ -14,7 +14,7 @@ def test_one_model_with_its_equations(call):
     result = call("models", "moling")
     assert result.exit_code == 0
     lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
-    assert "phi = pi/2 = 1.5708" in lines
+    assert "phi = pi/2 = 1.5708 phase of the forcing" in lines
     assert "T = 2*pi/omega = 62.8319" in lines
     assert "y = 0 at rest velocity of the mass" in lines
     assert "x = p + v displacement of the mass" in lines

@@ -270,7 +270,7 @@ def assemble(parts: Mapping[str, Structure], *, bearings: Sequence[Bearing] = ()
     """
     if not parts:
         raise ModelError("parts: there is none; give at least one structure by its name")
-    from scipy.sparse import block_diag
+    from scipy.sparse import block_diag, coo_array
 
     names: list[str] = []
     held: list[Bearing] = []
@@ -284,7 +284,7 @@ def assemble(parts: Mapping[str, Structure], *, bearings: Sequence[Bearing] = ()
         names += called
     sparse = any(part.sparse for part in parts.values())
     matrices = {
-        key: block_diag([getattr(part, key) for part in parts.values()], format="csc")
+        key: block_diag([coo_array(getattr(part, key)) for part in parts.values()], format="csc")
         for key in MATRICES
     }
     if not sparse:
