@@ -38,6 +38,12 @@ def test_names_that_records_keep_for_themselves(read):
     np.testing.assert_array_equal(data["length"], [6.4, 6.5, 7.1])
 
 
+def test_lines_are_those_of_the_file_where_comments_stand_between(read):
+    data = read(TEXT.replace("0.3,", "# pause\n0.3,"))
+    np.testing.assert_array_equal(data["step"], [0.0, 0.1, 0.3])
+    np.testing.assert_array_equal(data["line"], [3, 4, 6])
+
+
 def test_channels(read):
     probe = ns.measured.Channel("out", sensitivity=5.0, offset=0.12, units="mm")
     np.testing.assert_allclose(read(TEXT, {"d": probe})["d"], [0.0, 0.1, 0.3], atol=1e-15)

@@ -217,8 +217,8 @@ def test_the_last_cell_of_the_first_row_may_be_empty(read, sign, missing):
         (text_of().replace(".", ","), {}, "numbers have 6 columns and the header above them has 3"),
         ("\n".join(text_of().splitlines()[:900]) + "\n0.4", {}, "line 901 has 1 cells"),
         ("\n".join(text_of().splitlines()[:900]) + "\n0.4495,", {}, "line 901 has 1 cells"),
-        ("\n".join(text_of().splitlines()[:900]) + "\n0.4495,3", {},
-         "line 901, column .tacho. is missing. mark: 1 samples are not"),
+        ("\n".join(text_of().splitlines()[:900]) + "\n0.4495,3", {}, "line 901 has 2 cells"),
+        (cut(40, 2, ""), {}, "line 41, column .tacho. is missing. mark: 1 samples are not"),
         (text_of() + "Mean,0.3,0.2\n", {}, "line 1202, column 0 .*'Mean' is no"),
         (text_of() + "\n" + text_of(), {}, "line 1202 is blank and numbers follow"),
         (text_of() + text_of(), {}, "'CH1 .V.' is no number"),
@@ -251,9 +251,53 @@ def test_lines_count_from_the_top_of_the_file_whatever_part_is_kept(read):
     with pytest.raises(OptionError, match=r"line 403, column 'CH1 .V.' is missing"):
         read(text, time_range=(0.15, 0.5))
     cells = text_of(header="0,0,0", rows=ROWS).splitlines()[1:]
-    cells[6] = cells[6].rsplit(",", 1)[0]
+    cells[6] = cells[6].rsplit(",", 1)[0] + ","
     with pytest.raises(OptionError, match=r"line 7, column 2 \(from 0\) is missing"):
         read("\n".join(cells), {"x": 1}, time=0, mark=2)
+
+
+@pytest.mark.parametrize("sign", [",", ";", "\t", " "])
+@pytest.mark.parametrize("end", ["", "|"], ids=["plain", "a delimiter at each end"])
+def test_a_row_with_too_few_cells_is_refused_whichever_columns_are_read(read, sign, end):
+    """A lost first reading moves the second one into its column."""
+    rows = [line + end.replace("|", sign) for line in text_of(sign=sign).splitlines()]
+    rows[40] = sign.join(["0.0195", "3"]) + end.replace("|", sign)
+    for bad_samples in ("refuse", "keep"):
+        with pytest.raises(OptionError, match=r"line 41 has 2 cells and the first row .* has 3"):
+            read(
+                "\n".join(rows), {"x": 1}, time=0, mark=None, bad_samples=bad_samples,
+                delimiter=sign,
+            )  # fmt: skip
+
+
+def test_text_at_the_end_of_a_row_may_be_left_out(read):
+    """No reading can have moved into a column of text."""
+    rows = [line + ",ok" for line in text_of().splitlines()]
+    rows[40] = rows[40].removesuffix(",ok")
+    np.testing.assert_allclose(read("\n".join(rows))["x"], X, atol=2e-9)
+    rows[1:60] = [row.replace(",ok", ",") for row in rows[1:60]]
+    rows[1] = rows[1] + "begins"
+    np.testing.assert_allclose(read("\n".join(rows))["x"], X, atol=2e-9)
+    rows[50] = "0.0245,3,ok"
+    with pytest.raises(OptionError, match=r"line 51 has 3 cells and the first row .* has 4"):
+        read("\n".join(rows), {"x": 1}, time=0, mark=None)
+
+
+@pytest.mark.parametrize("sign", [",", ";", "\t", " "])
+def test_comments_between_the_numbers_are_skipped(read, sign):
+    rows = text_of("time" + sign + "CH1[V]" + sign + "tacho", sign).splitlines()
+    commented = [
+        "# rig 7", *rows[:1], "% begins", *rows[1:3], "# checked", *rows[3:100], "  # pause, 1, 2",
+        *rows[100:], "", "# end",
+    ]  # fmt: skip
+    check(read("\n".join(commented)))
+    place = commented.index(rows[200])
+    commented[place] = sign.join([rows[200].split(sign)[0], "nan", "0"])
+    with pytest.raises(OptionError, match=f"^run.csv, line {place + 1}, column .CH1.V.. holds"):
+        read("\n".join(commented))
+    commented[place] = ""
+    with pytest.raises(OptionError, match=f"line {place + 1} is blank and numbers follow"):
+        read("\n".join(commented))
 
 
 def test_a_record_without_marks(read):

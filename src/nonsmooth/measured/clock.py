@@ -68,11 +68,11 @@ class FilePlaces(Places):
 
     def at(self, sample: int) -> str:
         """Line of a sample, from 1."""
-        return f"line {self.table.first + sample + 1}"
+        return f"line {self.table.row_lines[sample] + 1}"
 
     def fault(self, variable: str, sample: int) -> str:
         """The line, its column, and what stands there in place of a number."""
-        cells = cells_of(self.table.lines[self.table.first + sample], self.table.delimiter)
+        cells = cells_of(self.table.lines[self.table.row_lines[sample]], self.table.delimiter)
         column = self.columns[variable]
         cell = cells[column] if column < len(cells) else ""
         what = f"holds {quote(cell)}, which is no finite number" if cell else "is missing"

@@ -73,7 +73,7 @@ def read_columns(
     table = read_table(path, delimiter, decimal)
     places = {name: table.column(one.column, name) for name, one in channels.items()}
     numbers = numbers_of(table, [place for place, _ in places.values()])
-    lines = table.first + 1 + np.arange(numbers.shape[1])
+    lines = 1 + np.array(table.row_lines, dtype=int)
     if not np.all(np.isfinite(numbers)):
         k = int(np.flatnonzero(~np.all(np.isfinite(numbers), axis=0))[0])
         name = list(channels)[int(np.flatnonzero(~np.isfinite(numbers[:, k]))[0])]

@@ -6,6 +6,8 @@ import csv
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,7 @@ __all__ = ["Table", "cells_of", "numbers_of", "read_table"]
 _MOST_BEFORE = 200  # lines of a header
 _LOOKED_AT = 20  # lines of numbers by which delimiter and decimal sign are told
 _ALIKE = 5  # lines that follow a first one of numbers and text, and have numbers in its places
+_COMMENT = ("#", "%")  # signs with which a line begins that holds no numbers
 _DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab", " ": "spaces", "|": "bar"}
 _NUMBER = re.compile(r"[+-]?((\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?|nan|inf(inity)?)", re.I)
 _LINE_END = re.compile(r"\r\n|\r|\n")
@@ -52,6 +55,17 @@ class Table:
     width: int  # cells in the first line of numbers
     headers: list[list[str]]  # rows above the numbers with as many cells, the last one first
     narrower: int  # cells of a row of names just above the numbers, which has fewer, or 0
+
+    @cached_property
+    def row_lines(self) -> Sequence[int]:
+        """Lines of the rows of numbers, from 0: without comments, and nothing blank at the end."""
+        found: Sequence[int] = range(self.first, len(self.lines))
+        if any(map(_is_comment, self.lines[self.first :])):
+            found = [k for k in found if not _is_comment(self.lines[k])]
+        count = len(found)
+        while count and not self.lines[found[count - 1]].strip():
+            count -= 1
+        return found[:count]
 
     def column(self, wanted: str | int, what: str) -> tuple[int, str]:
         """Number and units of a column by its header or its number."""
@@ -122,8 +136,8 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
     if decimal is not None and not is_known(decimal, (".", ",")):
         raise OptionError(f"decimal = {quote(decimal)}: give '.' or ','")
     first, found = _first_numbers(lines, delimiter, decimal, file.name)
-    sample = [cells_of(line, found) for line in lines[first : first + _LOOKED_AT]]
-    above = cells_of(lines[first - 1].lstrip("#% "), found) if first else []
+    sample = [cells_of(line, found) for line in _from(lines, first, _LOOKED_AT)]
+    above = cells_of(_uncommented(lines[first - 1]), found) if first else []
     width = len(sample[0])
     if lines[first].strip(" ").endswith(found) and max(map(len, [above, *sample])) == width + 1:
         width += 1  # the last cell of the first row is empty
@@ -132,7 +146,7 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
         decimal = "," if "," in text and "." not in text else "."
     headers = []
     for line in reversed(lines[:first]):
-        cells = cells_of(line.lstrip("#% "), found)
+        cells = cells_of(_uncommented(line), found)
         if len(cells) == width and any(cells):
             headers.append(cells)
     narrower = len(above) if 1 < len(above) < width and all(map(_is_name, above)) else 0
@@ -141,14 +155,37 @@ def read_table(path: Any, delimiter: str | None, decimal: str | None) -> Table:
 
 def cells_of(line: str, delimiter: str) -> list[str]:
     """Cells of one line, without quotes; an empty one behind the last delimiter is none."""
+    return _without_last(_all_cells(line, delimiter))
+
+
+def _all_cells(line: str, delimiter: str) -> list[str]:
+    """Cells of one line, without quotes, also an empty one behind the last delimiter."""
     if delimiter == " ":
         return line.split()
     try:
         row = next(csv.reader([line], delimiter=delimiter), [])
     except csv.Error:  # a cell of a hundred thousand characters
         row = [line]
-    cells = [cell.strip() for cell in row]
+    return [cell.strip() for cell in row]
+
+
+def _without_last(cells: list[str]) -> list[str]:
+    """Cells without an empty one behind the last delimiter."""
     return cells[:-1] if len(cells) > 1 and cells[-1] == "" else cells
+
+
+def _is_comment(line: str) -> bool:
+    return line.lstrip(" \t").startswith(_COMMENT)
+
+
+def _uncommented(line: str) -> str:
+    """A line of a header, which may stand in a comment."""
+    return line.lstrip("".join(_COMMENT) + " ")
+
+
+def _from(lines: list[str], first: int, most: int) -> list[str]:
+    """So many lines from a first one on that are no comments."""
+    return list(islice((line for line in lines[first:] if not _is_comment(line)), most))
 
 
 def _decoded(file: Path) -> str:
@@ -181,10 +218,12 @@ def _first_numbers(
     """
     for begins in (_is_numbers, _has_numbers):
         for k, line in enumerate(lines[:_MOST_BEFORE]):
+            if _is_comment(line):
+                continue
             for candidate in [delimiter] if delimiter else _candidates(line, decimal):
-                rows = [cells_of(each, candidate) for each in lines[k : k + 1 + _ALIKE]]
+                rows = [cells_of(each, candidate) for each in _from(lines, k, 1 + _ALIKE)]
                 if begins(rows):
-                    return k, candidate
+                    return _first_with_text(lines, k, candidate), candidate
     if not any(line.strip() for line in lines):
         raise OptionError(f"{name} is empty")
     expected = f"separated by {delimiter!r}" if delimiter else (
@@ -194,6 +233,25 @@ def _first_numbers(
         f"{name}: none of the first {min(_MOST_BEFORE, len(lines))} lines is a row of numbers"
         f" {expected}; name another delimiter=, or decimal=',' where commas stand for points"
     )
+
+
+def _first_with_text(lines: list[str], number: int, delimiter: str) -> int:
+    """The first row of those to which a row of numbers belongs, where some have text as well.
+
+    A row that leaves its text out, or that has none, is one of numbers alone.
+    """
+    row, found = cells_of(lines[number], delimiter), number
+    for k in reversed(range(number)):
+        if _is_comment(lines[k]):
+            continue
+        above = cells_of(lines[k], delimiter)
+        if len(above) < len(row) or not all(
+            _is_number(cell) == (i < len(row) and _is_number(row[i]))
+            for i, cell in enumerate(above)
+        ):
+            break
+        found = k
+    return found
 
 
 def _candidates(line: str, decimal: str | None) -> list[str]:
@@ -240,14 +298,11 @@ def _places(row: list[str], wanted: str) -> list[int]:
 
 def numbers_of(table: Table, columns: Sequence[int]) -> npt.NDArray[np.float64]:
     """Numbers (column, row) of some columns; those that are nan stay nan."""
-    last = len(table.lines)
-    while last > table.first and not table.lines[last - 1].strip():
-        last -= 1
-    rows = table.lines[table.first : last]
+    rows = [table.lines[k] for k in table.row_lines]
     if not all(row.strip() for row in rows):
         blank = next(k for k, row in enumerate(rows) if not row.strip())
         raise OptionError(
-            f"{table.name}, line {table.first + blank + 1} is blank and numbers follow; give the"
+            f"{table.name}, line {table.row_lines[blank] + 1} is blank and numbers follow; give the"
             " records of a file in files of their own"
         )
     _check_width(table, rows)
@@ -265,15 +320,32 @@ def numbers_of(table: Table, columns: Sequence[int]) -> npt.NDArray[np.float64]:
 
 
 def _check_width(table: Table, rows: list[str]) -> None:
-    """Refuse a row with more numbers than the first one: some stand in wrong columns."""
+    """Refuse rows with more numbers than the first one, or fewer: some stand in wrong columns.
+
+    Text at the end of a row may be left out, and an empty cell behind a delimiter is there.
+    """
+    sign = table.delimiter
+    first = _all_cells(rows[0], sign)
+    numbers = [k for k in range(table.width) if k >= len(first) or not _is_name(first[k])]
+    may_end_empty = len(first) == table.width  # otherwise each row has one delimiter more
     for k, row in enumerate(rows):
-        if row.count(table.delimiter) < table.width:
+        is_plain = sign != " " and '"' not in row and row.count(sign) == len(first) - 1
+        if is_plain and (may_end_empty or row.rstrip(" ").endswith(sign)):
             continue
-        cells = cells_of(row, table.delimiter)
+        every = _all_cells(row, sign)
+        cells = _without_last(every)
+        where = f"{table.name}, line {table.row_lines[k] + 1}"
+        wide = f"{len(cells)} cells and the first row of numbers has {table.width}"
         if len(cells) > table.width and all(map(_is_number, cells[table.width :])):
             raise OptionError(
-                f"{table.name}, line {table.first + k + 1} has {len(cells)} cells and the first row"
-                f" of numbers has {table.width}; does a delimiter stand for a decimal sign there?"
+                f"{where} has {wide}; does a delimiter stand for a decimal sign there?"
+            )
+        there = every if may_end_empty else cells
+        is_short = len(every) < len(first) and len(cells) < table.width
+        if is_short and any(i >= len(there) or _is_name(there[i]) for i in numbers):
+            raise OptionError(
+                f"{where} has {wide}, so numbers may stand in wrong columns; was the file cut"
+                " there?"
             )
 
 
@@ -288,20 +360,14 @@ def _cell_by_cell(table: Table, rows: list[str], columns: Sequence[int]) -> npt.
     numbers = np.empty((len(columns), len(rows)))
     for k, row in enumerate(rows):
         cells = cells_of(row, table.delimiter)
-        where = f"{table.name}, line {table.first + k + 1}"
-        if len(cells) < table.width - 1 or len(cells) < max(columns):
-            raise OptionError(
-                f"{where} has {len(cells)} cells and the first row of numbers has {table.width};"
-                " was the file cut there?"
-            )
         for i, column in enumerate(columns):
             cell = cells[column] if column < len(cells) else ""
             try:
                 numbers[i, k] = float(_pointed(cell, table.decimal)) if cell else np.nan
             except ValueError:
                 raise OptionError(
-                    f"{where}, column {column} (from 0): {quote(cell)} is no number;"
-                    f" {_CURE_OF_TEXT if k == 0 else _CURE_OF_CELL}"
+                    f"{table.name}, line {table.row_lines[k] + 1}, column {column} (from 0):"
+                    f" {quote(cell)} is no number; {_CURE_OF_TEXT if k == 0 else _CURE_OF_CELL}"
                 ) from None
     return numbers
 

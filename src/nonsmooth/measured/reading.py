@@ -49,9 +49,10 @@ def read_csv(
     r"""Record of a measured motion from a CSV file, with one mark per revolution or without.
 
     Columns are found by their headers, with or without units in brackets behind the name, or by
-    number. Lines above the header are skipped; commas, semicolons, tabs, bars or spaces part the
-    columns; a decimal comma is noticed where no points are about. Columns of text, such as stamps
-    and comments, are left alone. Nothing in a file is run.
+    number. Lines above the header are skipped, and so are those that begin with # or % between the
+    numbers; commas, semicolons, tabs, bars or spaces part the columns; a decimal comma is noticed
+    where no points are about. Columns of text, such as stamps and comments, are left alone. Nothing
+    in a file is run.
 
     Parameters
     ----------
@@ -102,7 +103,8 @@ def read_csv(
     ------
     OptionError
         For a file that is no table of numbers, a column that is not there, samples that are not
-        even in time or missing, with their line, and marks that are not one per revolution.
+        even in time or missing, with their line, rows with fewer cells than the first one, and
+        marks that are not one per revolution.
 
     Warns
     -----
