@@ -80,17 +80,60 @@ def test_sines_lose_what_the_bias_says(bias, times):
     np.testing.assert_allclose(inner["vx1"] / omega, left * slope, atol=2e-4 + 8 * numerical)
 
 
-def test_an_offset_changes_nothing_and_a_drift_little():
-    """Zero frequency is lost with its first three derivatives; only the ends feel a drift."""
+@pytest.mark.parametrize("lasts", [8.0, 30.0])
+def test_an_offset_and_a_straight_drift_change_nothing(lasts):
+    """Not the ends either; 1e-7 is rounding of 1e6 mm/s^2 over the square of the corner, 100/s^2.
+
+    Without it the drift would leave 9810 mm/s^2 / (10/s)^2 at an end, and a hundredth behind the
+    edge, the more the longer it lasts.
+    """
+    t = np.arange(int(1000 * lasts)) / 1000.0
+    for edges in ("keep", "cut"):
+        options = {"lowest": 5.0, "edges": edges}
+        plain, *others = (
+            ns.measured.displacements(data(t, motion(t, 2) + more), "acceleration1", **options)
+            for more in (0.0, 9810.0, 9810.0 * (t / 20.0), 500.0 - 20.0 * t)
+        )
+        for other in others:
+            np.testing.assert_allclose(other["x1"], plain["x1"], atol=1e-7)
+            np.testing.assert_allclose(other["vx1"], plain["vx1"], atol=1e-5)
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("lasts", [1.5, 2.0, 2.05])
+def test_a_motion_of_no_whole_period_makes_no_drift(lasts, phase):
+    """A sine of f loses l = r/(1 + r) of itself, r = b/(1 - b) (lowest/f)^4, and no more inside.
+
+    Second and third derivatives of the displacement agree with those of the reading at an end, so
+    the end does up to sqrt(2) l (f/f_c)^3 with the corner f_c, and a hundredth behind the edge.
+    """
+    t = np.arange(int(1000 * lasts)) / 1000.0
+    f, corner = 5.3, 5.0 * (0.01 / 0.99) ** 0.25
+    sine = np.cos(2 * np.pi * f * t + phase)
+    record = data(t, -((2 * np.pi * f) ** 2) * sine)
+    found = ns.measured.displacements(record, "acceleration1", lowest=5.0)["x1"]
+    ratio = (corner / f) ** 4
+    lost = ratio / (1 + ratio)
+    kept = np.isin(np.round(1000 * t), np.round(1000 * found["time"]))
+    error = np.abs(found.values - sine[kept])
+    assert error.max() < lost * (1 + 0.01 * np.sqrt(2) * (f / corner) ** 3)
+
+
+def test_a_flaw_that_is_flagged_makes_no_drift():
+    """It is felt about itself only, and an end is far away."""
     t = np.arange(20_000) / 1000.0
+    spiked = motion(t, 2)
+    spiked[15_000] += 1e7
+    flags = np.zeros(t.size, np.uint8)
+    flags[15_000] = 1
+    records = [data(t, motion(t, 2)), data(t, spiked)]
+    for record in records:
+        record["acceleration1_quality"] = ("time", flags)
     options = {"lowest": 5.0, "edges": "keep"}
-    plain, offset, drift = (
-        ns.measured.displacements(data(t, motion(t, 2) + more), "acceleration1", **options)["x1"]
-        for more in (0.0, 9810.0, 9810.0 * (t / 20.0))
+    plain, found = (
+        ns.measured.displacements(each, "acceleration1", **options)["x1"] for each in records
     )
-    np.testing.assert_allclose(offset, plain, atol=1e-8)
-    inner = slice(1500, -1500)
-    np.testing.assert_allclose(drift[inner], plain[inner], atol=1e-3)
+    np.testing.assert_allclose(found[:5000], plain[:5000], atol=1e-6)
 
 
 def test_noise_of_an_aperiodic_record_is_that_of_its_gain():

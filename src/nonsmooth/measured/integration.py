@@ -97,8 +97,12 @@ def _check_time(name: str, unit: str, time: str, second: str) -> None:
 
 @dataclass(frozen=True)
 class _RegularIntegral:
-    r"""Solution of :math:`\sum (D x - a)^2 + \omega_c^4 \sum x^2 = \min`, D second differences."""
+    r"""Solution of :math:`\sum (D x + d - a)^2 + \omega_c^4 \sum x^2 = \min`.
 
+    D are second differences, and d is a straight line.
+    """
+
+    count: int
     step: float
     corner: float  # omega_c
     lowest: float
@@ -131,7 +135,7 @@ class _RegularIntegral:
                 " them are not sure at the ends; take a longer record, or give a higher lowest="
                 " or more bias="
             )
-        return cls(step, corner, lowest, lost, edge)
+        return cls(count, step, corner, lowest, lost, edge)
 
     @property
     def noise_gains(self) -> tuple[float, float]:
@@ -143,24 +147,66 @@ class _RegularIntegral:
 
     def __call__(self, values: Floats, good: Mask | None) -> tuple[Floats, Floats, dict[str, Any]]:
         """Displacement and velocity at the samples; bad ones are felt about themselves only."""
-        from scipy.linalg import cho_solve_banded, cholesky_banded
-
-        # an offset does nothing but at the ends, where it would be large
-        away = values - values.mean()
-        # Numerov: second differences of x are the means of its accelerations with 1, 10, 1
-        wanted = self.step**2 / 12.0 * (away[:-2] + 10.0 * away[1:-1] + away[2:])
-        weight = (self.corner * self.step) ** 4
-        bands = _bands(values.size)
-        bands[0] += weight
-        factor = cholesky_banded(bands, lower=True)
-        x = np.zeros(values.size)
-        for _ in range(_REFINED):
-            left = wanted - np.diff(x, 2)
-            x += cho_solve_banded((factor, True), _transposed(left) - weight * x)
+        # an offset and a drift do nothing but at the ends, where they would be large
+        away = values - self._trend(values, good)
+        x = self._integrated(away)
         v = np.gradient(x, self.step, edge_order=2)
         v[1:-1] -= self.step / 12.0 * (away[2:] - away[:-2])
         words = {"lowest": self.lowest, "bias": self.bias, "edge": self.edge * self.step}
         return x, v, words
+
+    @cached_property
+    def _factor(self) -> Floats:
+        """Banded Cholesky factor of the equations of the displacement."""
+        from scipy.linalg import cholesky_banded
+
+        bands = _bands(self.count)
+        bands[0] += self._weight
+        factor: Floats = cholesky_banded(bands, lower=True)
+        return factor
+
+    @property
+    def _weight(self) -> float:
+        return (self.corner * self.step) ** 4
+
+    def _integrated(self, values: Floats) -> Floats:
+        """The displacement of accelerations."""
+        from scipy.linalg import cho_solve_banded
+
+        wanted, x = _numerov(values, self.step), np.zeros(values.size)
+        for _ in range(_REFINED):
+            left = wanted - np.diff(x, 2)
+            x += cho_solve_banded((self._factor, True), _transposed(left) - self._weight * x)
+        return x
+
+    def _trend(self, values: Floats, good: Mask | None) -> Floats:
+        """The straight line by which a reading is off: with it the sum of squares is least.
+
+        It is found together with the displacement, which follows the motion, so that a period that
+        is not whole does not count as drift. It is felt at the ends only: the sum of squares has
+        no other displacement of a straight line than zero, far from them.
+        """
+        number = np.arange(values.size)
+        if good is not None and good.any():
+            values = np.interp(number, number[good], values[good])
+        mean = values.mean()
+        lines = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, values.size), 1)
+        left = [self._left(line) for line in lines.T]
+        wanted = _numerov(values - mean, self.step)
+        own = np.array([_numerov(line, self.step) for line in lines.T])
+        shares = np.linalg.solve(own @ np.transpose(left), np.array(left) @ wanted)
+        trend: Floats = mean + lines @ shares
+        return trend
+
+    def _left(self, values: Floats) -> Floats:
+        """What the displacement of accelerations does not follow, in second differences."""
+        return _numerov(values, self.step) - np.diff(self._integrated(values), 2)
+
+
+def _numerov(values: Floats, step: float) -> Floats:
+    """Second differences that a displacement should have: means of accelerations, 1, 10, 1."""
+    found: Floats = step**2 / 12.0 * (values[:-2] + 10.0 * values[1:-1] + values[2:])
+    return found
 
 
 def _bands(count: int) -> Floats:
@@ -332,7 +378,9 @@ def displacements(
     edges : {"cut", "keep"}, optional
         With ``lowest``: whether to cut off either end, where nothing is known of what was before
         or comes after: 3.3 / lowest with a bias of 0.01, 1 / lowest with 0.5. A hundredth of what
-        the end does is left behind it.
+        the end does is left behind it. An offset of the reading and a straight drift do nothing
+        there; a slower change of another form, by which the reading at the end is off by e, does
+        about :math:`e/\omega_c^2`, see the notes.
 
     Returns
     -------
@@ -343,7 +391,8 @@ def displacements(
         have no units where accelerations have none. Attributes of each displacement:
         ``integral_of``; ``noise_gain``, the standard deviation of its noise for one of 1 in the
         acceleration (white noise; of g: in m/s^2); ``noise``, that times the noise of the
-        acceleration, which is estimated;
+        acceleration, which is estimated, and neither what is lost by ``bias`` nor what an end
+        leaves;
         and ``lowest`` with ``bias`` and ``edge``, or ``period`` with ``harmonics`` and
         ``residual``, what is not periodic in the acceleration (root mean square). Velocities have
         ``derivative_of``, ``noise_gain`` and ``noise`` likewise. The flags of a quality mask,
@@ -371,12 +420,14 @@ def displacements(
     samples, h apart, it may have done so at any time between them: the displacement is off by up to
     J h T / 16 for each jump in a period T.
 
-    With ``lowest`` the displacement x is what makes :math:`\sum (\ddot x - a)^2 + \omega_c^4 \sum
-    x^2` least: the one that follows the acceleration without leaving zero (Lee, Hong and Park).
-    It lags behind nothing, needs no initial values, and multiplies a sine by :math:`-\omega^{-2}
-    / (1 + (\omega_c/\omega)^4)`; ``lowest`` and ``bias`` give :math:`\omega_c`. Differences are of
-    fourth order: besides, a sine of frequency f comes out larger by :math:`(2\pi f h)^4/240` with
-    the time h between samples.
+    With ``lowest`` the displacement x and a straight line d, the offset and the drift of the
+    reading, are what makes :math:`\sum (\ddot x + d - a)^2 + \omega_c^4 \sum x^2` least: the one
+    that follows the acceleration without leaving zero (Lee, Hong and Park). The line is felt near
+    the ends only. The displacement lags behind nothing, needs no initial values, and multiplies a
+    sine by :math:`-\omega^{-2} / (1 + (\omega_c/\omega)^4)`; ``lowest`` and ``bias`` give
+    :math:`\omega_c = 2\pi\, lowest\, (bias/(1 - bias))^{1/4}`. Differences are of fourth order:
+    besides, a sine of frequency f comes out larger by :math:`(2\pi f h)^4/240` with the time h
+    between samples.
 
     References
     ----------
