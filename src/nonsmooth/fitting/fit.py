@@ -171,7 +171,7 @@ def fit(
         ``segment_state`` and the number of its record, ``segment_record``. Over ``mark``:
         ``mark_time``, marks of a single record or where periods of the forcing begin. Over
         ``start``: ``start_estimate``, ``start_cost``, ``start_agrees``. Over ``direction``,
-        combinations of parameters that are not determined: ``direction_part``,
+        parameters that are not determined, and combinations of several: ``direction_part``,
         ``direction_spread``. Attributes: ``status`` (completed, not_converged), ``message``,
         ``open_parameters`` and ``interval_method`` in words, ``largest_gap`` between segments in
         parts of the states, ``n_evaluations``; ``form`` and ``cycle`` of each record; for steady

@@ -30,12 +30,14 @@ Floats = npt.NDArray[np.float64]
 LEVEL = 0.95
 _OPEN = 0.3  # standard deviation, as a part of the range, beyond which a parameter is open
 _SMALLEST = 1e-9  # singular value, as a part of the largest, that tells nothing
+_UNTOLD = 1e-3  # what it counts as at most, in noise over ranges: a spread of many ranges
 _NONE = 1e-30  # largest singular value, in noise over ranges, of residuals that nothing changes
 _CLOSE = 0.01  # of the threshold: how near the end of an interval is found
 _NEAR = 0.6  # of the distance by the curvature: an end that is nearer is not believed
 _STEPS = 6  # for one end of an interval
 _LOWER = -0.02  # of the threshold: a profile that goes below has found a better minimum
 _MIDDLE = (0.3, 0.7)  # of the way to an end: a point there tells how the profile is bent
+_TINY = 1e-300  # in place of zero, to divide by
 _PART = 0.25  # of a direction: parameters with less do not belong to it
 
 
@@ -50,7 +52,7 @@ class Interval(NamedTuple):
 
 
 class Direction(NamedTuple):
-    """A combination of parameters that the record does not determine."""
+    """A parameter that the record does not determine, or a combination of several."""
 
     parts: Floats  # (h,), of length one, in parts of the ranges
     spread: float  # standard deviation along it, in parts of the ranges
@@ -67,11 +69,17 @@ class Better(Exception):
 class Spread(NamedTuple):
     """Covariance of all unknowns, and by how much it is larger than with white residuals."""
 
-    covariance: Floats  # (size, size), units of the solver
+    root: Floats  # (size, f), units of the solver: its product with itself is the covariance
     white: Floats  # (size, size), as if residuals were white
     freedom: Floats  # (size,) degrees of freedom with which the variances are known
     is_widened: bool  # whether correlated residuals count in the first one
     discrepancies: list[Discrepancy]  # errors that follow the motion and count in it, too
+
+    @property
+    def covariance(self) -> Floats:
+        """Covariance (size, size) of all unknowns, in units of the solver."""
+        covariance: Floats = self.root @ self.root.T
+        return covariance
 
     @property
     def ratio(self) -> Floats:
@@ -92,12 +100,13 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     _, sizes, turned = np.linalg.svd(np.linalg.qr(free, mode="r"))
     largest = sizes.max(initial=0.0)
     least = _SMALLEST * (largest if largest > _NONE else 1.0)
-    untold, sizes = np.flatnonzero(sizes <= least), np.maximum(sizes, least)
+    untold = np.flatnonzero(sizes <= least)
+    sizes[untold] = min(least, _UNTOLD)  # also where the noise is as small as rounding
     root = basis @ turned.T / sizes
     white: Floats = root @ root.T
     freedom = np.full(shooting.size, shooting.n_free_data(fitted.evaluation))
     if loss != "linear":  # a robust loss has weights of its own
-        return Spread(white, white, freedom, False, [])
+        return Spread(root, white, freedom, False, [])
     tangents = free @ turned.T / sizes
     follows = discrepancies_of(shooting, fitted, tangents)
     floor = np.array([channel.least_noise for channel in shooting.channels])
@@ -106,7 +115,7 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
         fitted.noise <= floor, even_white=bool(follows.found),
     )  # fmt: skip
     if correlation is None:
-        return Spread(white, white, freedom, False, [])
+        return Spread(root, white, freedom, False, [])
     inner = correlation.covariance_of(tangents)
     parts = [each.factor @ root.T for each in follows.found]
     for each in follows.found:
@@ -114,12 +123,19 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     inner += follows.far.T @ follows.far
     inner[untold], inner[:, untold] = 0.0, 0.0  # no residual says anything, however it varies
     inner[untold, untold] = 1.0
-    covariance: Floats = root @ inner @ root.T
+    whole = root @ _root_of(inner)
     own = np.array([(part**2).sum(axis=0) for part in parts]).reshape(-1, shooting.size)
     known = np.array([each.freedom for each in follows.found])
     rest = np.minimum(correlation.freedom_of(tangents, root), freedom)
-    freedom = _freedom_of_sum(np.diag(covariance), own, known, rest)
-    return Spread(covariance, white, freedom, True, follows.found)
+    freedom = _freedom_of_sum((whole**2).sum(axis=1), own, known, rest)
+    return Spread(whole, white, freedom, True, follows.found)
+
+
+def _root_of(covariance: Floats) -> Floats:
+    """A matrix whose product with its own transpose is a covariance."""
+    variances, vectors = np.linalg.eigh(covariance)
+    root: Floats = vectors * np.sqrt(np.maximum(variances, 0.0))
+    return root
 
 
 def _freedom_of_sum(whole: Floats, parts: Floats, freedom: Floats, rest: Floats) -> Floats:
@@ -131,19 +147,56 @@ def _freedom_of_sum(whole: Floats, parts: Floats, freedom: Floats, rest: Floats)
     return np.clip(found, 1.0, rest)
 
 
-def open_directions(shooting: Shooting, covariance: Floats) -> list[Direction]:
-    """Combinations of bounded parameters along which the spread is of the size of the range."""
+def open_directions(shooting: Shooting, spread: Spread) -> list[Direction]:
+    """What of the bounded parameters has a spread of the size of its range.
+
+    First parameters that would be open if all others were known: the residuals hardly depend on
+    them. Then combinations of the others: these residuals do depend on each of their members.
+    """
     low, high = shooting.limits
     bounded = np.flatnonzero(np.isfinite(low[: shooting.h]) & np.isfinite(high[: shooting.h]))
-    spreads, vectors = np.linalg.eigh(covariance[np.ix_(bounded, bounded)])
-    found = []
-    for square, vector in zip(spreads[::-1], vectors.T[::-1], strict=True):
-        if not square > _OPEN**2:
-            break
-        parts = np.zeros(shooting.h)
-        parts[bounded] = vector * np.sign(vector[leading_entry(vector)])
-        parts[np.abs(parts) < _PART] = 0.0
-        found.append(Direction(parts, float(np.sqrt(square))))
+    # of the root and not of the covariance, in whose entries a large spread drowns the others
+    vectors, spreads, _ = np.linalg.svd(spread.root[bounded], full_matrices=False)
+    told = vectors.T / np.maximum(spreads, _TINY)[:, None]  # over the spread along each direction
+    alone = 1.0 / np.maximum(np.linalg.norm(told, axis=0), _TINY)  # spread, all others held
+    found = [(float(alone[i]), np.eye(bounded.size)[i]) for i in np.flatnonzero(alone > _OPEN)]
+    rest = np.flatnonzero(alone <= _OPEN)
+    if rest.size:
+        _, sizes, directions = np.linalg.svd(told[:, rest], full_matrices=False)
+        for direction in _plain(directions[sizes < 1.0 / _OPEN]):
+            parts = np.zeros(bounded.size)
+            parts[rest] = direction
+            found.append((1.0 / max(float(np.linalg.norm(told @ parts)), _TINY), parts))
+    found.sort(key=lambda each: -each[0])
+    return [_direction(shooting, bounded, *each) for each in found]
+
+
+def _direction(
+    shooting: Shooting, bounded: npt.NDArray[np.int64], spread: float, own: Floats
+) -> Direction:
+    """A direction among the bounded parameters as one of the whole head."""
+    parts = np.zeros(shooting.h)
+    parts[bounded] = own * np.sign(own[leading_entry(own)])
+    parts[np.abs(parts) < _PART] = 0.0
+    return Direction(parts, spread)
+
+
+def _plain(directions: Floats) -> Floats:
+    """Combinations (m, b) that span the same as some directions and have few members each.
+
+    Where several are open, any mixture of them is as open. The reduced echelon form, with the
+    largest entry as a pivot each time, parts them: a member of one combination alone is in no
+    other.
+    """
+    plain, left = directions.copy(), list(range(len(directions)))
+    while left:
+        row, column = divmod(int(leading_entry(plain[left].ravel())), plain.shape[1])
+        chosen = left.pop(row)
+        plain[chosen] /= plain[chosen, column]
+        for k in range(len(plain)):
+            if k != chosen:
+                plain[k] -= plain[k, column] * plain[chosen]
+    found: Floats = plain / np.linalg.norm(plain, axis=1, keepdims=True)
     return found
 
 

@@ -99,7 +99,7 @@ def fit_dataset(
     """Dataset of a fit; without marks of the record those of the forcing stand in it."""
     shooting = search.shooting
     best, spread, intervals = _certain(shooting, search.best, loss)
-    directions = open_directions(shooting, spread.covariance)
+    directions = open_directions(shooting, spread)
     variables = _estimates(shooting, best, spread, intervals, directions)
     variables |= _profiles(shooting, intervals)
     if drawn:
