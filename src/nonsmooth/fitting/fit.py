@@ -228,7 +228,10 @@ def fit(
     channels share their coefficients. They need states that are rates of others, of at most six
     masses. Each family has random coefficients whose variance is found by restricted maximum
     likelihood, beside the autoregression. One after the other enters as long as the ratio of
-    likelihoods has a probability below 0.01 without it, and is named. Where residuals are not
+    likelihoods has a probability below 0.01 without it, and is named. That is the level of each
+    family: of five, one in twenty records of a right model in white noise could get a name; of 1320
+    such records with one and two channels, 16 did, 1.2 %, as families look alike and errors of the
+    forces are to be seen in a channel and in all of them together. Where residuals are not
     white, more of them count, without a name, as long as it is below a quarter, the level of tests
     before pooling of variances (Bozivich and others). The covariance of all is part of the
     sandwich, and degrees of freedom of the variances, by Satterthwaite, make the quantile larger:
