@@ -22,11 +22,19 @@ from nonsmooth.fitting.channels import (
     read_shift,
 )
 from nonsmooth.fitting.clock_trial import explaining_shift, said_of_shift
+from nonsmooth.fitting.course import Course
 from nonsmooth.fitting.cuts import Cut, GivenRecord, cut_for, equations_of
-from nonsmooth.fitting.gain_trial import LITTLE, explaining_gains, explains, said_of_gains
-from nonsmooth.fitting.report import NOT_CONVERGED, Search, fit_dataset
+from nonsmooth.fitting.gain_trial import (
+    LITTLE,
+    explaining_gains,
+    explains,
+    height_of_explaining,
+    said_of_gains,
+)
+from nonsmooth.fitting.report import Search, fit_dataset
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import LOSSES, Fitted, height, prepare, solve_from
+from nonsmooth.fitting.time_scales import said_of_times
 from nonsmooth.fitting.units import with_units
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.runs.options import whole_number
@@ -39,6 +47,9 @@ if TYPE_CHECKING:
 __all__ = ["fit"]
 
 Floats = npt.NDArray[np.float64]
+
+_HALF = 0.5  # noise beside a record of doubtful times: starts that leave more are given up
+_TRIALS = 6  # of gains and phases of the forcing, at most
 
 
 def fit(
@@ -189,7 +200,8 @@ def fit(
     -----
     ResultWarning
         When the fit has not converged, as its ``status`` says. Before the fit, when the system is
-        not allowed at one of the bounds.
+        not allowed at one of the bounds, and when samples are further apart than any motion of the
+        model lasts, or all of them within a small part of one: times may be in another unit.
 
     See Also
     --------
@@ -208,7 +220,10 @@ def fit(
     begins in the mode that fits its own data best. A run of a segment ends early, as if no motion
     were there, after ten times the work that the motion from ``initial`` and a step of the engine
     to each sample need: a record in mm of a model in m asks for motions that are a thousand times
-    as fast. An interval ends where twice the logarithm of
+    as fast. A start is given up that cannot come near the best one, or where times are doubtful, if
+    it leaves more than half of a record; a search that has not converged looks for better values
+    along profiles with as many motions as it has taken, and for no errors that follow the motion.
+    An interval ends where twice the logarithm of
     the likelihood, with everything else found anew, has fallen by the quantile of an F
     distribution.
 
@@ -304,7 +319,10 @@ def fit(
     own = _private(private, records)
     make = partial(_shooting, records, bounds, moved, cuts, own, tolerance)
     rest = _rest(system, initial)
-    found = _search(make, rest, loss, count, chosen)
+    doubts = said_of_times(records, datasets, cuts, bounds, rest)
+    highest = height_of_explaining(make(), _HALF) if doubts else np.inf
+    for words in doubts:
+        warnings.warn(f"{system.name}: {words}", ResultWarning, stacklevel=2)
     told = options.recorded | {
         "free": str({name: (each.low, each.high) for name, each in bounds.items()}),
         "observe": str({c.name: c.text for each in records for c in each.channels}),
@@ -314,25 +332,30 @@ def fit(
         "starts": count, "bootstrap": drawn, "seed": chosen,
     }  # fmt: skip
     whole = [channel for each in records for channel in each.channels]
-    result = fit_dataset(whole, found, told, loss, drawn, chosen, _marks(record))
+    with Course("fit", count + 1 + bool(drawn)) as course:
+        found = _search(make, rest, loss, count, chosen, course, highest)
+        result = fit_dataset(whole, found, told, loss, drawn, chosen, _marks(record), course)
     result = with_units(result, records, datasets)
 
     def begin(others: Sequence[GivenRecord], clock: Range = moved) -> Shooting:
         return _shooting(others, bounds, clock, cuts, own, tolerance)
 
     def again(others: Sequence[GivenRecord], clock: Range = moved) -> Search:
-        return _search(partial(begin, others, clock), rest, loss, 1, chosen)
+        made = partial(begin, others, clock)
+        return _search(made, rest, loss, 1, chosen, course, height_of_explaining(made()))
 
     told_so = ""
-    if not (found.best.closed and explains(found, LITTLE)):
-        told_so = said_of_gains(explaining_gains(records, found, rest, begin, again))
-        if not (told_so or moved.is_free):
-            clocks = partial(begin, records), partial(again, records)
-            told_so = said_of_shift(explaining_shift(records, found, rest, *clocks))
-    more = f"; {told_so}" if told_so else ""
+    if not (doubts or (found.best.closed and explains(found, LITTLE))):
+        with Course("fit: other units", _TRIALS) as course:
+            told_so = said_of_gains(explaining_gains(records, found, rest, begin, again))
+            if not (told_so or moved.is_free):
+                clocks = partial(begin, records), partial(again, records)
+                told_so = said_of_shift(explaining_shift(records, found, rest, *clocks))
+    more = "".join(f"; {words}" for words in (*doubts, told_so) if words)
     if result.attrs["status"] != "completed":
-        said = f"{system.name}: the fit has not converged: {NOT_CONVERGED}{more}"
-        warnings.warn(said, ResultWarning, stacklevel=2)
+        reason = str(result.attrs["message"]).removeprefix("not_converged: ").split("; ")
+        said = f"{system.name}: the fit has not converged: {'; '.join(reason[:2])}"
+        warnings.warn(f"{said}{more}", ResultWarning, stacklevel=2)
     return result.assign_attrs(message=f"{result.attrs['message']}{more}")
 
 
@@ -415,9 +438,15 @@ def _shooting(
 
 
 def _search(
-    make: Callable[[], Shooting], initial: Floats, loss: str, count: int, seed: int
+    make: Callable[[], Shooting],
+    initial: Floats,
+    loss: str,
+    count: int,
+    seed: int,
+    course: Course,
+    highest: float = np.inf,
 ) -> Search:
-    """The best minimum of several starts."""
+    """The best minimum of several starts; those that cannot come below a height are given up."""
     shootings = [make() for _ in range(count)]
     first = shootings[0]
     guesses = np.tile(first.guess(), (count, 1))
@@ -430,11 +459,13 @@ def _search(
     noise = np.array([channel.noise.guess for channel in first.channels])
     found: list[Fitted | None] = []
     for k, (shooting, guess) in enumerate(zip(shootings, guesses, strict=True)):
+        shooting.tell(course)
         if prepare(shooting, guess, initial):
-            best = min((height(each) for each in found if each is not None), default=np.inf)
+            best = min([highest, *(height(each) for each in found if each is not None)])
             found.append(solve_from(shooting, guess, initial, noise, loss, seed + k, best))
         else:
             found.append(None)
+        course.end_phase()
     if all(each is None for each in found):
         raise RunError(
             f"{first.system.name}: no motion could be computed from any of {count} starts; give"

@@ -24,7 +24,14 @@ from nonsmooth.fitting.report import Search
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import misfit_of_start
 
-__all__ = ["LITTLE", "MOST", "explaining_gains", "explains", "said_of_gains"]
+__all__ = [
+    "LITTLE",
+    "MOST",
+    "explaining_gains",
+    "explains",
+    "height_of_explaining",
+    "said_of_gains",
+]
 
 Floats = npt.NDArray[np.float64]
 
@@ -138,6 +145,22 @@ def explains(found: Search, share: float) -> bool:
         for noise, channel in zip(found.best.noise, channels, strict=True)
         if not channel.shows_events
     )
+
+
+def height_of_explaining(shooting: Shooting, share: float = MOST) -> float:
+    """Minus the logarithm of the likelihood at which a fit just explains its records.
+
+    The noise is then a share of the spread of each channel. A search that lies higher while its
+    segments need not join yet explains nothing in the end. It is not known for instants of events,
+    whose matches count, too.
+    """
+    height = 0.0
+    for channel in shooting.channels:
+        if channel.shows_events:
+            return np.inf
+        count = int(np.isfinite(channel.values).sum())
+        height += count * (0.5 + float(np.log(max(share * channel.spread, channel.least_noise))))
+    return height
 
 
 def _with_gains(

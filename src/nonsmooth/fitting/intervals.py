@@ -16,7 +16,10 @@ from nonsmooth.fitting.solver import Fitted, minimise
 from nonsmooth.leading_entry import leading_entry
 
 __all__ = [
+    "Allowance",
+    "Better",
     "Direction",
+    "GivenUp",
     "Interval",
     "Spread",
     "block_bootstrap",
@@ -66,6 +69,23 @@ class Better(Exception):
         self.found = found
 
 
+class GivenUp(Exception):
+    """Profiles have taken as many motions as they may."""
+
+
+class Allowance:
+    """How many motions through the record profiles may take."""
+
+    def __init__(self, most: float) -> None:
+        self.left = most
+
+    def take(self, found: Fitted | None) -> None:
+        """Take off what a minimum has needed; `GivenUp` where nothing is left."""
+        self.left -= 1 if found is None else found.n_evaluations
+        if self.left < 0:
+            raise GivenUp
+
+
 class Spread(NamedTuple):
     """Covariance of all unknowns, and by how much it is larger than with white residuals."""
 
@@ -94,7 +114,7 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     The unknowns move in the null space of the equations of continuity only. What the data do not
     tell at all has a spread that is huge but finite. Estimates are linear in the residuals where
     these are small, so correlated residuals and errors that follow the motion make a covariance of
-    the form of a sandwich.
+    the form of a sandwich. What a search that has not converged leaves is no noise.
     """
     free, basis = free_jacobian(shooting, fitted.evaluation)
     _, sizes, turned = np.linalg.svd(np.linalg.qr(free, mode="r"))
@@ -105,7 +125,7 @@ def spread_of(shooting: Shooting, fitted: Fitted, loss: str) -> Spread:
     root = basis @ turned.T / sizes
     white: Floats = root @ root.T
     freedom = np.full(shooting.size, shooting.n_free_data(fitted.evaluation))
-    if loss != "linear":  # a robust loss has weights of its own
+    if loss != "linear" or not fitted.closed:  # a robust loss has weights of its own
         return Spread(root, white, freedom, False, [])
     tangents = free @ turned.T / sizes
     follows = discrepancies_of(shooting, fitted, tangents)
@@ -207,20 +227,20 @@ def threshold(freedom: npt.ArrayLike) -> Floats:
 
 
 def profile_intervals(
-    shooting: Shooting, fitted: Fitted, spread: Spread, loss: str
+    shooting: Shooting, fitted: Fitted, spread: Spread, loss: str, allowance: Allowance
 ) -> list[Interval]:
     """95 % intervals of parameters and nuisances from the profile of the likelihood.
 
     One of them is held away from its estimate and everything else is found anew, until the cost
     has risen by the threshold. Where residuals are correlated, the threshold is larger by the ratio
-    of the variances. `Better` where the cost falls instead.
+    of the variances. `Better` where the cost falls instead, `GivenUp` after too many motions.
     """
     plain = threshold(shooting.n_free_data(fitted.evaluation))
     stretch = spread.ratio * threshold(spread.freedom) / plain
     rises = stretch * plain
     found = []
     for i in range(shooting.h):
-        profile = _Profile(shooting, fitted, spread.white, loss, i, float(rises[i]))
+        profile = _Profile(shooting, fitted, spread.white, loss, i, float(rises[i]), allowance)
         (low, low_open, one), (high, high_open, other) = (profile.end(side) for side in (-1, 1))
         for side in (-1, 1):
             profile.look_between(side)
@@ -241,7 +261,9 @@ class _Profile:
         loss: str,
         i: int,
         rise: float,
+        allowance: Allowance,
     ) -> None:
+        self.allowance = allowance
         self.shooting, self.fitted, self.loss, self.i, self.rise = shooting, fitted, loss, i, rise
         self.deviation = float(np.sqrt(covariance[i, i]))
         self._along = covariance[:, i] / covariance[i, i]
@@ -263,11 +285,13 @@ class _Profile:
             self.shooting, u, self.fitted.noise, self.fitted.multipliers, loss=self.loss,
             held=self.i, most=25,
         )  # fmt: skip
+        self.allowance.take(held)
         if held is not None and not held.closed and held.cost - self.fitted.cost > 0.5 * self.rise:
             held = minimise(
                 self.shooting, held.u, self.fitted.noise, self.fitted.multipliers,
                 loss=self.loss, held=self.i,
             ) or held  # fmt: skip
+            self.allowance.take(held)
         if held is None:
             return np.inf
         risen = 2.0 * (held.cost - self.fitted.cost)

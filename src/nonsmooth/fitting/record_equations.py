@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from nonsmooth.engine.lanes import ANY
 from nonsmooth.fitting.channels import ObservedChannel, Range
+from nonsmooth.fitting.course import Course
 from nonsmooth.fitting.event_instants import EventInstants
 from nonsmooth.fitting.event_residuals import residuals_of_events
 from nonsmooth.fitting.flights import Flight, Flights
@@ -90,6 +91,7 @@ class RecordEquations:
         self._plans: list[SegmentData] | None = None
         self._turns: Floats | None = None
         self.angle_periods = periods_of_states(system)
+        self.course: Course | None = None  # that is told of each motion
 
     @property
     def n_segments(self) -> int:
@@ -141,6 +143,8 @@ class RecordEquations:
 
     def fly(self, m: int, state: Floats, plan: SegmentData, mode: int = ANY) -> Flight | None:
         """Run through a segment from a mode on; its end is the last sample."""
+        if self.course is not None:
+            self.course.move(1.0 / self.n_segments)
         times, begin = np.append(plan.times, self.bounds[m + 1]), float(self.bounds[m])
         return self.flights.fly(state, begin, times, mode, events=bool(self._picked))
 

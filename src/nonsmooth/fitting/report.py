@@ -12,6 +12,7 @@ import xarray as xr
 from nonsmooth.analysis.options import result_attributes
 from nonsmooth.fitting.channels import ObservedChannel
 from nonsmooth.fitting.correlated import NOT_WHITE
+from nonsmooth.fitting.course import Course
 from nonsmooth.fitting.discrepancy import (
     LINEAR,
     MOTION,
@@ -22,8 +23,10 @@ from nonsmooth.fitting.discrepancy import (
     Discrepancy,
 )
 from nonsmooth.fitting.intervals import (
+    Allowance,
     Better,
     Direction,
+    GivenUp,
     Interval,
     Spread,
     block_bootstrap,
@@ -42,12 +45,13 @@ from nonsmooth.fitting.restart import restart_text
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import Fitted, close_gaps, height
 
-__all__ = ["NOT_CONVERGED", "Search", "fit_dataset"]
+__all__ = ["Search", "fit_dataset"]
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 Variables = dict[str, Any]
 
+_FEWEST_MOTIONS = 100  # along profiles, of a search that has not converged
 _LOWER_MINIMA = 3  # that profiles may find before they are taken as they are
 _PLAIN = "profile of the likelihood, residuals white"
 _WIDENED = "profile of the likelihood, widened for correlated residuals"
@@ -64,10 +68,7 @@ _FORCE_WORDS = {
 _POOR = 2.0  # prediction error in units of the noise that is worth a word
 
 
-NOT_CONVERGED = (
-    "segments do not join, or intervals could not be found; give narrower bounds in free=, more"
-    " starts=, or another number of segments="
-)
+_CURES = "give narrower bounds in free=, more starts=, or another number of segments="
 
 
 class Search:
@@ -95,10 +96,12 @@ def fit_dataset(
     drawn: int,
     seed: int,
     marks: Floats | None,
+    course: Course,
 ) -> xr.Dataset:
     """Dataset of a fit; without marks of the record those of the forcing stand in it."""
     shooting = search.shooting
-    best, spread, intervals = _certain(shooting, search.best, loss)
+    best, spread, intervals, given_up = _certain(shooting, search.best, loss)
+    course.end_phase()
     directions = open_directions(shooting, spread)
     variables = _estimates(shooting, best, spread, intervals, directions)
     variables |= _profiles(shooting, intervals)
@@ -119,7 +122,10 @@ def fit_dataset(
     words = _open_words(shooting, best, directions)
     names_of_channels = _names_of_channels(shooting)
     late = [channel.delay.is_free for channel in shooting.channels]
-    told = _message(best, agrees, words, variables, names_of_channels, late, named)
+    ending = "completed"
+    if not best.closed:
+        ending = f"not_converged: {_why_not(search, given_up)}; {_CURES}"
+    told = _message(ending, agrees, words, variables, names_of_channels, late, named)
     told += _few_words(shooting, best, names_of_channels) + _events_words(best, series)
     told += _large_words(shooting, best, names_of_channels)
     steady: dict[str, Any] = {}
@@ -160,21 +166,33 @@ def fit_dataset(
     return xr.Dataset(variables, coords, attrs)
 
 
-def _certain(shooting: Shooting, best: Fitted, loss: str) -> tuple[Fitted, Spread, list[Interval]]:
-    """The minimum with its intervals; a lower one that a profile finds takes its place."""
+def _certain(
+    shooting: Shooting, best: Fitted, loss: str
+) -> tuple[Fitted, Spread, list[Interval], int]:
+    """The minimum with its intervals; a lower one that a profile finds takes its place.
+
+    A search that has not converged has no intervals, but profiles may lead to where it does. They
+    get as many motions as the search has taken; where that is not enough, their number is returned,
+    too.
+    """
+    most = max(best.n_evaluations, _FEWEST_MOTIONS)
+    allowance, given_up = Allowance(np.inf if best.closed else most), 0
+    spread = spread_of(shooting, best, loss)
     for _ in range(_LOWER_MINIMA):
-        spread = spread_of(shooting, best, loss)
         try:
-            return best, spread, profile_intervals(shooting, best, spread, loss)
+            return best, spread, profile_intervals(shooting, best, spread, loss, allowance), 0
+        except GivenUp:
+            given_up = most
+            break
         except Better as lower:
             u, noise, shift = lower.found.u, best.noise, best.multipliers
             again = close_gaps(shooting, u, noise, shift, loss)
             if again is None or height(again) >= height(best):
                 break
-            best = again
-    spread = spread_of(shooting, best, loss)
+            best, spread = again, spread_of(shooting, again, loss)
+            allowance.left = np.inf if best.closed else allowance.left - best.n_evaluations
     nothing = Interval(np.nan, np.nan, (False, False), np.zeros((0, 2)))
-    return best._replace(closed=False), spread, [nothing] * shooting.h
+    return best._replace(closed=False), spread, [nothing] * shooting.h, given_up
 
 
 def _estimates(
@@ -459,8 +477,18 @@ def _open_words(shooting: Shooting, best: Fitted, directions: list[Direction]) -
     return "; ".join(sentences)
 
 
+def _why_not(search: Search, given_up: int) -> str:
+    """Why a fit has not converged; given_up: motions after which profiles led no further."""
+    if search.best.closed:
+        return "intervals could not be found, as profiles of the likelihood lead on and on"
+    told = f"segments do not join after {search.n_evaluations} motions through the record"
+    if not given_up:
+        return told
+    return f"{told}, and {given_up} more along profiles of the likelihood have led no further"
+
+
 def _message(
-    best: Fitted,
+    ending: str,
     agrees: Bools,
     words: str,
     variables: Variables,
@@ -469,7 +497,7 @@ def _message(
     discrepancies: Sequence[Discrepancy],
 ) -> str:
     """How the fit ended, and what speaks against it; late: whether delays of channels are found."""
-    parts = ["completed" if best.closed else f"not_converged: {NOT_CONVERGED}"]
+    parts = [ending]
     if agrees.any():
         parts.append(f"{int(agrees.sum())} of {agrees.size} starts agree")
     else:

@@ -22,6 +22,7 @@ import numpy.typing as npt
 
 from nonsmooth.errors import OptionError, unknown_name
 from nonsmooth.fitting.channels import Range
+from nonsmooth.fitting.course import Course
 from nonsmooth.fitting.record_equations import RecordEquations
 from nonsmooth.fitting.residuals import Residuals, joined
 from nonsmooth.runs.whole_turns import whole_turns
@@ -137,6 +138,11 @@ class Shooting:
     def scales(self) -> Floats:
         """Sizes of the states, in which they are counted."""
         return self.records[0].scales
+
+    def tell(self, course: Course) -> None:
+        """Let each motion move the bar of a course."""
+        for record in self.records:
+            record.course = course
 
     def scale_states(self, sizes: Floats) -> None:
         """Take the sizes of the states."""

@@ -327,11 +327,12 @@ def _first_stage(
     States that are not observed may come to rest far from where the segment before ends, while the
     parameters are still wrong. The first stage brings these near, and a second look begins there.
     """
-    shift, best = np.zeros((shooting.n_gaps, shooting.n)), None
+    shift, best, count = np.zeros((shooting.n_gaps, shooting.n)), None, 0
     for look in range(_LOOKS):
         found = minimise(shooting, u, noise, shift, _WEIGHTS[0], loss=loss, most=_EVALUATIONS[0])
         if found is None:
             break
+        count += found.n_evaluations
         if best is None or found.cost < best.cost:
             best = found
         if np.abs(found.evaluation.gap).max(initial=0.0) < _APART:
@@ -341,9 +342,10 @@ def _first_stage(
         if states is None:
             break
         u = shooting.join(found.u[: shooting.h], states)
-    if best is not None:
-        shooting.begin_as(best.evaluation)
-    return best
+    if best is None:
+        return None
+    shooting.begin_as(best.evaluation)
+    return best._replace(n_evaluations=count)
 
 
 def _first_states(

@@ -14,7 +14,7 @@ from nonsmooth.runs.labels import labels_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["with_units"]
+__all__ = ["units_of_times", "with_units"]
 
 _SAMPLED = ("measured", "fitted", "residual")
 _INSTANTS = (
@@ -48,7 +48,7 @@ def with_units(
     quantities = "channel", words, {"long_name": "quantity that the channel shows"}
     found = found.assign(channel_units=("channel", units, about), channel_quantity=quantities)
     _name(found, _SAMPLED, {each for channel, each in channels if not channel.shows_events})
-    _name(found, _INSTANTS, {_units_of_times(data) for data in datasets})
+    _name(found, _INSTANTS, {units_of_times(data) for data in datasets})
     told = dict.fromkeys(
         words for record, data in zip(records, datasets, strict=True)
         for words in _differences(record, data)
@@ -58,7 +58,7 @@ def with_units(
 
 def _units(data: Any, channel: ObservedChannel) -> str:
     if channel.shows_events and "units" not in data[channel.name].attrs:
-        return _units_of_times(data)
+        return units_of_times(data)
     return str(data[channel.name].attrs.get("units", ""))
 
 
@@ -74,7 +74,8 @@ def _quantity(record: GivenRecord, data: Any, channel: ObservedChannel) -> str:
     return "" if named == channel.text else named
 
 
-def _units_of_times(data: Any) -> str:
+def units_of_times(data: Any) -> str:
+    """Units of the times of a record; empty where they are not told."""
     return str(data["time"].attrs.get("units", "")) if "time" in data.coords else ""
 
 
@@ -100,7 +101,7 @@ def _differences(record: GivenRecord, data: Any) -> list[str]:
                 f"{channel.name} is in {ours} and {channel.text} of the model in {theirs}, with a"
                 " gain of 1: give gain=, or both in one unit"
             )
-    ours, theirs = _units_of_times(data), labels.attributes("time").get("units", "")
+    ours, theirs = units_of_times(data), labels.attributes("time").get("units", "")
     if _differ(ours, theirs):
         told.append(
             f"times of the record are in {ours} and those of the model in {theirs}: give both in"
