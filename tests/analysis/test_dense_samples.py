@@ -11,7 +11,7 @@ OFF = 1e-3  # of the range of a variable: what straight lines may be off
 
 
 def ring(rate="{}"):
-    """A spring with 30 rad/s whose end jumps to and fro every 6 units of time."""
+    """A spring with 30 rad/s whose end jumps up and down, every 6 units of time."""
     flow = "-900*x - 0.5*v"
     modes = {
         "up": ns.Mode(

@@ -165,9 +165,7 @@ def test_bounds_far_from_the_truth_end_the_fit_soon(motions):
 
 def test_the_bar_of_a_fit_moves_with_each_motion(monkeypatch):
     seen = []
-    monkeypatch.setattr(
-        "nonsmooth.progress.Progress.update", lambda _, done: seen.append(done)
-    )
+    monkeypatch.setattr("nonsmooth.progress.Progress.update", lambda _, done: seen.append(done))
     ns.fit(spring(), dataset(TIMES, x=decay(TIMES)), FREE, starts=2)
     assert len(seen) > 200
     assert all(one < other for one, other in itertools.pairwise(seen))
@@ -176,9 +174,7 @@ def test_the_bar_of_a_fit_moves_with_each_motion(monkeypatch):
 
 def test_a_course_never_passes_the_end_of_a_phase(monkeypatch):
     seen = []
-    monkeypatch.setattr(
-        "nonsmooth.progress.Progress.update", lambda _, done: seen.append(done)
-    )
+    monkeypatch.setattr("nonsmooth.progress.Progress.update", lambda _, done: seen.append(done))
     with Course("fit", 2) as course:
         for _ in range(10_000):
             course.move(0.5)
