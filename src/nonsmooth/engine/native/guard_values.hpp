@@ -118,6 +118,28 @@ inline Leftover leftover_of(const Tables& tables, Index m, Index g, const double
     return {rounding * size, 2.0 * tables.spans[m].fastest};  // of a product of two motions
 }
 
+// The first derivative of a guard that is not zero, from that of an order to that of the highest one.
+struct FirstDerivative {
+    bool is_known;
+    Index order;
+    double value;
+};
+
+inline FirstDerivative first_derivative(const Tables& tables, Index m, Index g, const double* z,
+                                        const double* extent, Index order, Index highest,
+                                        double tolerance) {
+    const Leftover leftover = leftover_of(tables, m, g, z, extent);
+    double hidden = leftover.size;
+    for (Index r = 0; r < order; ++r) hidden *= leftover.rate;
+    for (Index r = order; r <= highest; ++r, hidden *= leftover.rate) {
+        const TermSum guard = guard_terms(tables, m, g, r, z, extent);
+        if (std::fabs(guard.value) > std::max(tolerance * guard.size, hidden)) {
+            return {true, r, guard.value};
+        }
+    }
+    return {false, ALWAYS_ZERO, 0.0};
+}
+
 // Whether a guard is negative in the sense of its first derivative that is not zero.
 //
 // The order counts the zeros known by construction on entry; those that the tolerance declares to
@@ -125,18 +147,10 @@ inline Leftover leftover_of(const Tables& tables, Index m, Index g, const double
 inline bool must_fire(const Tables& tables, Index m, Index g, const double* z,
                       const double* extent, int64_t& order, double tolerance) {
     if (order == ALWAYS_ZERO) return false;
-    const Leftover leftover = leftover_of(tables, m, g, z, extent);
-    double hidden = leftover.size;
-    for (Index r = 0; r < order; ++r) hidden *= leftover.rate;
-    for (Index r = order; r < DERIVATIVES; ++r, hidden *= leftover.rate) {
-        const TermSum guard = guard_terms(tables, m, g, r, z, extent);
-        if (std::fabs(guard.value) > std::max(tolerance * guard.size, hidden)) {
-            order = r;
-            return guard.value < 0.0;
-        }
-    }
-    order = ALWAYS_ZERO;
-    return false;
+    const FirstDerivative first =
+        first_derivative(tables, m, g, z, extent, order, DERIVATIVES - 1, tolerance);
+    order = first.order;
+    return first.value < 0.0;
 }
 
 }  // namespace nonsmooth

@@ -117,18 +117,18 @@ inline void linearise(const Tables& tables, const Rates& rates, const View<Serie
     }
 }
 
-// Rows of the time derivatives of guards, where `linearise` has left those of their values.
+// Rows of the time derivatives low ... high of guards, where those of all below are.
 inline void linearise_derivatives(const Tables& tables, const Rates& rates,
                                   const View<Series, 1>& series, const View<Lanes, 3>& dual,
-                                  Index m, const double* z) {
-    fill_with_duals(tables, rates, series, dual, m, tables.code_rows[m].middle, 1, TERMS - 1);
-    for (Index e = 0; e < mode_wiring(tables, m).n_exits; ++e) {
-        const Index guard = guard_outlet(tables, m, e);
-        double factor = 1.0;
-        for (Index r = 1; r < DERIVATIVES; ++r) {
+                                  Index m, const double* z, Index low, Index high) {
+    fill_with_duals(tables, rates, series, dual, m, tables.code_rows[m].middle, low, high);
+    double factor = 1.0;  // of the coefficient of a series in its derivative
+    for (Index r = 1; r <= high; factor *= static_cast<double>(++r)) {
+        if (r < low) continue;
+        for (Index e = 0; e < mode_wiring(tables, m).n_exits; ++e) {
+            const Index guard = guard_outlet(tables, m, e);
             write_row(tables, guard_coefficients(tables, m, e, r), series[guard].c[r],
                       dual[guard], r, factor, z);
-            factor *= static_cast<double>(r) + 1.0;
         }
     }
 }
@@ -142,10 +142,10 @@ inline void linearise_mode(const Tables& tables, const Rates& rates, const Segme
     linearise(tables, rates, segment.series, segment.dual, m, segment.z.data);
 }
 
-// Rows of the derivatives of guards at segment.z, where those of the values are.
+// Rows of the derivatives low ... high of guards at segment.z, where those of all below are.
 inline void differentiate_mode(const Tables& tables, const Rates& rates, const Segment& segment,
-                               Index m) {
-    linearise_derivatives(tables, rates, segment.series, segment.dual, m, segment.z.data);
+                               Index m, Index low = 1, Index high = DERIVATIVES - 1) {
+    linearise_derivatives(tables, rates, segment.series, segment.dual, m, segment.z.data, low, high);
 }
 
 }  // namespace nonsmooth

@@ -139,7 +139,7 @@ class MotionSearch {
         const bool is_solved = is_empty(mode_wiring(tables_, cell).implicit) ||
                                settle(tables_, rates_, segment_, cell);
         if (!is_solved) return;
-        bring_up_to_date(tables_, rates_, segment_, cell);
+        linearise_mode(tables_, rates_, segment_, cell);
         const bool begins = guards_hold(cell) && mode_wiring(tables_, cell).kind != RESTING;
         if (begins && (parts_by_surface(cell) ||
                        rates_part(tables_, m_, cell, segment_.z.data))) {
@@ -155,13 +155,30 @@ class MotionSearch {
         double *extent = segment_.extent.data, *scale = segment_.scale.data;
         fill_extent(tables_, cell, z, extent);
         fill_scale(tables_, cell, z, duration_, scale);
-        bool hold = true;
         for (Index g = 0; g < mode_wiring(tables_, cell).n_exits; ++g) {
             const bool near = !starts_ && nearly_zero(tables_, cell, g, z, extent, scale);
             segment_.order[g] = near ? 1 : 0;
+        }
+        differentiate_as_needed(cell);
+        bool hold = true;
+        for (Index g = 0; g < mode_wiring(tables_, cell).n_exits; ++g) {
             hold = !must_fire(tables_, cell, g, z, extent, segment_.order[g], tolerance_) && hold;
         }
         return hold;
+    }
+
+    // Derivatives of the guards of a curved cell, as far as they decide: mostly the first one does,
+    // and higher ones cost several times as much.
+    void differentiate_as_needed(Index cell) const {
+        if (!is_curved(tables_, cell)) return;
+        differentiate_mode(tables_, rates_, segment_, cell, 1, 1);
+        const double *z = segment_.z.data, *extent = segment_.extent.data;
+        bool decide = true;
+        for (Index g = 0; g < mode_wiring(tables_, cell).n_exits && decide; ++g) {
+            decide = first_derivative(tables_, cell, g, z, extent, segment_.order[g], 1, tolerance_)
+                         .is_known;
+        }
+        if (!decide) differentiate_mode(tables_, rates_, segment_, cell, 2);
     }
 
     // Whether one of two motions leaves a surface between them.
