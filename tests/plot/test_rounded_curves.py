@@ -39,3 +39,25 @@ def test_units_do_not_matter():
     assert other[0] == pytest.approx(1e3 * one[0]) and other[1] == pytest.approx(1e-6 * one[1])
     inner = slice(8, -8)  # the chord is off by 1/64
     assert np.abs(one[1] - one[0] ** 2)[inner].max() < 0.5 / 64
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_curve_turns_back_only_where_its_points_do(sense):
+    """Beside a steep way, long flat ones: the picture showed two folds that are none."""
+    x = sense * np.array([0.0, 0.4, 0.6, 0.62, 0.8, 1.2])
+    y = np.array([0.0, 0.02, 0.05, 0.4, 0.46, 0.5])
+    nowhere = np.zeros(x.size, bool)
+    across, up, _ = rounded(x, y, nowhere, nowhere[:-1])
+    assert across.size > x.size
+    assert np.all(sense * np.diff(across) > 0.0)
+    assert up.min() > -0.01 and up.max() < 0.51
+
+
+def test_a_curve_turns_back_at_a_fold():
+    y = np.linspace(-1.0, 1.0, 16)
+    nowhere = np.zeros(y.size, bool)
+    across, up, _ = rounded(1.0 - y**2, y, nowhere, nowhere[:-1])
+    inner = np.abs(up) < 0.5
+    chord = (2.0 / 15.0) ** 2 / 4.0  # by which it is off in its middle
+    assert np.abs(across - (1.0 - up**2))[inner].max() < 0.25 * chord
+    assert across.max() > 1.0 - 0.25 * chord

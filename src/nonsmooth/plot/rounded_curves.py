@@ -17,6 +17,7 @@ Floats = npt.NDArray[np.float64]
 _PARTS = 8  # of each way between two points
 _SEEN = 5e-4  # of the picture, by which a curve is seen to leave its chord
 _SHARP = 0.5  # cosine of the bend at a point from which on it is a corner
+_STEEPEST = 3.0  # times the slope of a way: up to there it is monotone
 _EVEN = 6.0  # ratio of chords side by side, from which on a parabola says nothing of the longer one
 
 
@@ -40,6 +41,8 @@ def rounded(
     curved = np.isfinite(chords) & (chords > 0.0) & ~apart
     slopes = steps / np.where(curved, chords, 1.0)[:, None]
     begin, end = _tangents(slopes, chords, curved, corner)
+    onward = _goes_on(slopes[:, 0], curved)
+    begin, end = (_without_hooks(each, slopes, onward) for each in (begin, end))
     t = np.arange(_PARTS)[:, None, None] / _PARTS
     length = np.where(curved, chords, 0.0)[:, None]
     away = t * (1.0 - t) ** 2 * length * (begin - slopes) - t**2 * (1.0 - t) * length * (
@@ -76,3 +79,26 @@ def _tangents(
     end[left] = 2.0 * slopes[left] - begin[left]
     begin[right] = 2.0 * slopes[right] - end[right]
     return begin, end
+
+
+def _goes_on(across: Floats, curved: npt.NDArray[np.bool_]) -> Floats:
+    """The sense, -1 or 1, in which a way and those beside it lead across the picture; else 0."""
+    sense = np.where(curved, np.sign(across), 0.0)
+    before, behind = np.append(0.0, sense[:-1]), np.append(sense[1:], 0.0)
+    alone = (sense * before >= 0.0) & (sense * behind >= 0.0)
+    onward: Floats = np.where(alone, sense, 0.0)
+    return onward
+
+
+def _without_hooks(tangents: Floats, slopes: Floats, onward: Floats) -> Floats:
+    """Tangents with which no way turns back across the picture where its points go on.
+
+    A cubic does not turn back if both tangents are at most three times its slope (F. N. Fritsch and
+    R. E. Carlson, Monotone piecewise cubic interpolation, 1980). Tangents that are shortened keep
+    their direction, so that the curve gets no corners.
+    """
+    along, most = onward * tangents[:, 0], _STEEPEST * np.abs(slopes[:, 0])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        part = np.where((onward != 0.0) & (along > most), most / along, 1.0)
+    found: Floats = np.where(((onward != 0.0) & (along < 0.0))[:, None], slopes, tangents)
+    return found * part[:, None]
