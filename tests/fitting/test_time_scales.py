@@ -14,6 +14,7 @@ from nonsmooth.fitting.course import Course
 from nonsmooth.fitting.cuts import Cut, GivenRecord
 from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.time_scales import said_of_times, time_scales
+from nonsmooth.progress import Progress
 
 TIMES = np.linspace(0.0, 20.0, 200)
 FREE = {"k": (2.0, 8.0), "c": (0.01, 0.6)}
@@ -175,7 +176,8 @@ def test_the_bar_of_a_fit_moves_with_each_motion(monkeypatch):
 def test_a_course_never_passes_the_end_of_a_phase(monkeypatch):
     seen = []
     monkeypatch.setattr("nonsmooth.progress.Progress.update", lambda _, done: seen.append(done))
-    with Course("fit", 2) as course:
+    with Progress("fit", 2) as bar:
+        course = Course(bar)
         for _ in range(10_000):
             course.move(0.5)
         assert max(seen) <= 1.0

@@ -8,7 +8,6 @@ more and more slowly until the phase has ended.
 from __future__ import annotations
 
 import math
-from types import TracebackType
 
 from nonsmooth.progress import Progress
 
@@ -18,30 +17,18 @@ _USUAL = 100.0  # motions through a record that a phase takes: some take a tenth
 
 
 class Course:
-    """Context in which a bar has so many phases."""
+    """Moves a bar whose total is the number of phases."""
 
-    def __init__(self, label: str, phases: int) -> None:
-        self._progress = Progress(label, phases)
+    def __init__(self, bar: Progress) -> None:
+        self._bar = bar
         self._done, self._motions = 0, 0.0
-
-    def __enter__(self) -> Course:
-        self._progress.__enter__()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._progress.__exit__(kind, error, trace)
 
     def move(self, part: float) -> None:
         """Say that a part of a motion through a record has been computed."""
         self._motions += part
-        self._progress.update(self._done - math.expm1(-self._motions / _USUAL))
+        self._bar.update(self._done - math.expm1(-self._motions / _USUAL))
 
     def end_phase(self) -> None:
         """Say that a phase has ended."""
         self._done, self._motions = self._done + 1, 0.0
-        self._progress.update(self._done)
+        self._bar.update(self._done)

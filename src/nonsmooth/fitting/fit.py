@@ -36,6 +36,7 @@ from nonsmooth.fitting.shooting import Shooting
 from nonsmooth.fitting.solver import LOSSES, Fitted, height, prepare, solve_from
 from nonsmooth.fitting.time_scales import said_of_times
 from nonsmooth.fitting.units import with_units
+from nonsmooth.progress import Progress
 from nonsmooth.real_numbers import finite_real
 from nonsmooth.runs.options import whole_number
 from nonsmooth.runs.start import resolve_start
@@ -332,7 +333,8 @@ def fit(
         "starts": count, "bootstrap": drawn, "seed": chosen,
     }  # fmt: skip
     whole = [channel for each in records for channel in each.channels]
-    with Course("fit", count + 1 + bool(drawn)) as course:
+    with Progress("fit", count + 1 + bool(drawn)) as bar:
+        course = Course(bar)
         found = _search(make, rest, loss, count, chosen, course, highest)
         result = fit_dataset(whole, found, told, loss, drawn, chosen, _marks(record), course)
     result = with_units(result, records, datasets)
@@ -346,7 +348,8 @@ def fit(
 
     told_so = ""
     if not (doubts or (found.best.closed and explains(found, LITTLE))):
-        with Course("fit: other units", _TRIALS) as course:
+        with Progress("fit: other units", _TRIALS) as bar:
+            course = Course(bar)
             told_so = said_of_gains(explaining_gains(records, found, rest, begin, again))
             if not (told_so or moved.is_free):
                 clocks = partial(begin, records), partial(again, records)
