@@ -25,9 +25,8 @@ Integers = npt.NDArray[np.int64]
 
 _OFF = 1e-3  # of the range of a variable, by which a straight line may be off: 50 in an oscillation
 _LOOKS = 0.5 * (3.0 - np.sqrt(5.0)), 0.5 * np.sqrt(2.0)  # parts of a stretch, in no ratio
-_MOST = (
-    20_000  # samples, unless there are more to begin with: a curve of a picture is thinned above
-)
+# samples, unless there are more to begin with: a curve of a picture is thinned above
+_MOST = 20_000
 _PARTS = 8  # of a stretch that is cut: its oscillations may be hidden, so their number is unknown
 _ROUNDING = 1e-12  # of the largest value of all: a variable that varies less is at rest
 _INSTANT = 1e-13  # of the times: a stretch so short is not cut
