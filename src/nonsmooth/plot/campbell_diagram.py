@@ -37,7 +37,7 @@ _LABELS = {
     "straight": "straight",
     "none": "mode",
 }
-_WELL_DAMPED = 0.2  # an amplification factor of 2.5, below which there is hardly a resonance
+_WELL_DAMPED = 0.2  # an amplification factor of 2.5, below which peaks are low
 _RPM, _HERTZ = 30.0 / math.pi, 0.5 / math.pi
 _ROOM = 1.12  # above the highest curve
 _PLACES = 29  # along a line at which its name may stand
